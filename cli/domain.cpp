@@ -106,6 +106,15 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
                                                                                         : stated.periodic_from};
 }
 
+void check_edges(const std::string& path, const votess::TriclinicBox& cell) {
+    const std::array edges{cell.a, cell.b, cell.c};
+    for (std::size_t k = 0; k < 3; ++k)
+        if (cell.periodic[k] && edges[k] == std::array<double, 3>{})
+            throw bad_input(path + ": edge " + "abc"[k] +
+                            " of its domain is 0, but the domain repeats along it: name other axes by --periodic, or " +
+                            "give --cell");
+}
+
 void check_corner(const Input& input, const votess::Options& options, const DomainFrom& from) {
     if (input.domain.corner_from != DomainSource::assumed || from.box != DomainSource::stated || input.planar() ||
         options.outside != votess::Outside::error)

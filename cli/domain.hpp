@@ -34,6 +34,8 @@ void check_corner(const Input& input, const votess::Options& options, const Doma
 // Sets the walls of --box hull. Throws votess::Error for other options of a domain.
 void set_hull(std::span<const double> points, votess::Options& options);
 
+// Throws Failure, which names the file, if a cell that it states repeats along an edge of length 0.
+void check_edges(const std::string& path, const votess::TriclinicBox& cell);
 // Returns whether the domain of a diagram has ends, once options are settled. hull: see choose_domain().
 [[nodiscard]] bool has_ends(const votess::Options& options, bool hull);
 

@@ -1,7 +1,6 @@
 // clvotess: reads, tessellates, verifies, writes, prints a summary.
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -24,12 +23,6 @@
 
 namespace clvotess {
 namespace {
-
-using Clock = Progress::Clock;
-
-double seconds_since(Clock::time_point begin) {
-    return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 void print(const std::string& text) {
     errno = 0;

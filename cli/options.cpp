@@ -115,17 +115,19 @@ surface_areas brings mesh_areas. Into
 objects, in .vtu with the id of their cell, in others named by it, as "17",
 or "17.0", "17.1" if a cell has several; materials are inside and surface.
 --image draws pieces. Queries have answers inside: --to-grid is 0 outside,
-and rays have their parts inside)",
-         {.needs = Needs::all_points, .solid = true}},
+and rays have their parts inside.
+.geojson: polygons with holes, in two dimensions, which it implies. Into
+.geojson the pieces of cells as polygons)",
+         {.needs = Needs::all_points}},
         {"--min-edge LENGTH",
          R"(in .foam, .tess and .msh: make one vertex of the ends of shorter edges.
 Faces with two corners vanish, cells stay closed, and vertices on their
 walls. Reports edges that stay, since a cell would be none)",
          {.needs = Needs::cells}},
         {"--gap WIDTH",
-         R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between
-pieces. The planes of each cell move inward by half of it; the surface of
-the mesh stays)",
+         R"(in .glb, .obj, .stl, .3mf, .geojson and --image: leave this distance
+between pieces. The planes of each cell move inward by half of it; the
+surface of the mesh stays)",
          {.with = "--mesh"}},
         {"--mesh-repair merge",
          R"(make vertices of the mesh at equal places one, as for .stl and .glb)",
@@ -241,6 +243,7 @@ get an empty one, or the input is refused)",
 .msh   Gmsh: surfaces in triangles, each once, with a physical volume for
        each cell and a physical surface for each pair and each wall
 .stl .3mf  pieces of cells in a mesh, as .obj and .glb hold: see --mesh
+.geojson   pieces of cells in polygons: see --mesh
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",

@@ -14,10 +14,14 @@
 
 namespace clvotess {
 
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
 class Progress {
 public:
-    using Clock = std::chrono::steady_clock;
-
     Progress(bool enabled, Clock::time_point run_began);  // enabled: false for a quiet run
     ~Progress();                                          // erases the bar
     Progress(const Progress&) = delete;
@@ -59,7 +63,7 @@ auto run_stoppable(Progress& progress, const Work& work) {
 // Watches calls of the library: each has a bar of its own, or none where a run of many frames has one.
 class Watch {
 public:
-    Watch(bool quiet, Progress::Clock::time_point run_began) : quiet_(quiet), run_began_(run_began) {}
+    Watch(bool quiet, Clock::time_point run_began) : quiet_(quiet), run_began_(run_began) {}
     Watch() = default;
 
     // Returns work(callback). Calls within it that take no callback are watched too. Throws Interrupted after a signal.
@@ -76,7 +80,7 @@ public:
 
 private:
     bool quiet_ = true;
-    std::optional<Progress::Clock::time_point> run_began_;
+    std::optional<Clock::time_point> run_began_;
 };
 
 // Returns the exit code for an error of the library.

@@ -162,7 +162,13 @@ std::string json_string(const std::string& text) {
 
 void Summary::set_mesh(const std::string& file, const Surface& surface) {
     mesh = file;
-    triangles = surface.triangles.size() / 3;
+    triangles = surface.triangles.size() / (surface.planar ? 2 : 3);
+    mesh_parts = surface.planar ? "edges" : "triangles";
+}
+
+void Summary::set_domain(const votess::Tessellation& tessellation, const DomainFrom& from) {
+    domain = domain_text(tessellation, from);
+    domain_json = clvotess::domain_json(tessellation, from);
 }
 
 void Summary::set_dimensions(bool planar, Dimensions requested) {
@@ -197,7 +203,7 @@ std::string plain_summary(const Summary& summary) {
     line("domain",
          summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
     if (!summary.mesh.empty())
-        line("mesh", summary.mesh + ", " + std::to_string(summary.triangles) + " triangles" +
+        line("mesh", summary.mesh + ", " + std::to_string(summary.triangles) + " " + summary.mesh_parts +
                          (stats.moved_vertices == 0
                               ? ""
                               : "; " + std::to_string(stats.moved_vertices) + " vertices moved by at most " +
@@ -292,7 +298,7 @@ std::string json_summary(const Summary& summary) {
     member("verified_cells", summary.verified ? std::to_string(summary.verified->sampled) : "null");
     if (!summary.mesh.empty()) {
         member("mesh", json_string(summary.mesh));
-        member("triangles", std::to_string(summary.triangles));
+        member(summary.mesh_parts, std::to_string(summary.triangles));
         member("moved_vertices", std::to_string(stats.moved_vertices));
         member("moved_distance", json_number(stats.moved_distance));
     }

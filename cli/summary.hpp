@@ -6,6 +6,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "domain.hpp"
 #include "read/input.hpp"
 #include "read/surface.hpp"
 
@@ -28,8 +29,9 @@ struct FramesSummary {
 struct Summary {
     votess::Stats stats;
     std::string domain, domain_json;
-    std::string mesh;                       // the file of --mesh; may be empty
-    std::uint64_t triangles = 0;            // of the mesh
+    std::string mesh;             // the file of --mesh; may be empty
+    std::uint64_t triangles = 0;  // of the mesh, or edges
+    const char* mesh_parts = "triangles";
     std::optional<const char*> plane_from;  // in two dimensions: "option" or "assumed"
     bool has_volumes = false;
     std::string input_note;  // the part of the file that was read, such as a frame; may be empty
@@ -50,6 +52,7 @@ struct Summary {
     // Adds the numbers of a frame, or takes those of the only one.
     void add(const Summary& one, std::uint64_t number, std::uint64_t points);
     void set_mesh(const std::string& file, const Surface& surface);
+    void set_domain(const votess::Tessellation& tessellation, const DomainFrom& from);
     void set_dimensions(bool planar, Dimensions requested);
     // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;

@@ -212,9 +212,13 @@ void read_dimensions(const Typed& typed, Arguments& arguments) {
     const std::string* columns = typed.value("--columns");
     const std::size_t axes = columns ? split_names("--columns", *columns).size() : 0;
     if (axes == 2) arguments.flat = "--columns " + *columns;
+    const std::string* mesh = typed.value("--mesh");
+    const bool has_polygons = mesh && holds_polygons(*mesh);
+    if (has_polygons) arguments.flat = "--mesh " + *mesh;
     if (typed.has("--2d")) arguments.flat = "--2d";
     if (!arguments.flat.empty()) arguments.read.dimensions = Dimensions::two;
     if (axes == 3) need_space("--columns " + *columns, arguments);
+    if (mesh && !has_polygons) need_space("--mesh " + *mesh, arguments);
     for (const Option* option : arguments.given)
         if (const std::string name = long_name(*option);
             option->traits.solid && !(typed.has("--to-grid") && (name == "--image" || name == "--colormap")))
@@ -251,8 +255,14 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (!columns || (columns == copy && arguments.read.all_columns)) continue;
         if (random) throw bad_input(option + " goes with INPUT, not with --random");
         const bool list = option == "--values" || option == "--copy";
-        for (const std::string& column : list ? split_names(option, *columns) : std::vector<std::string>{*columns}) {
-            if (column.empty()) throw bad_input(option + " is empty: give the name or number of a column");
+        const auto names = list ? split_names(option, *columns) : std::vector<std::string>{*columns};
+        for (const std::string& column : names) {
+            if (column.empty()) {
+                const bool none = std::ranges::all_of(names, &std::string::empty);
+                throw bad_input(none ? option + " is empty: give the name or number of a column"
+                                     : option + " " + in_quotes(*columns) +
+                                           " holds an empty name: leave out a comma, or put the name between them");
+            }
             if (option == "--radii" && column == "covalent") {
                 arguments.covalent = arguments.read.species = true;
                 continue;
@@ -302,12 +312,15 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
             need_space(std::string("--format with %") + code, arguments);
     }
     for (const std::string& path : arguments.outputs)
-        if (needs_space(path)) need_space("output " + in_quotes(path), arguments);
+        if (needs_space(path))
+            need_space("output " + in_quotes(path), arguments);
+        else if (is_pieces_output(path) && !is_mesh_output(path) && arguments.flat.empty())
+            throw bad_input("output " + in_quotes(path) + " holds polygons: add --mesh FILE.geojson");
     const bool pieces = std::ranges::any_of(arguments.outputs, is_pieces_output);
     if (typed.has("--min-edge") && std::ranges::none_of(arguments.outputs, collapses_edges))
         throw bad_input("--min-edge is for meshes of solvers: add -o FILE in .foam, .tess or .msh");
     if (typed.has("--gap") && !pieces && !typed.has("--image"))
-        throw bad_input("--gap is between pieces: add -o FILE in .glb, .obj, .stl or .3mf");
+        throw bad_input("--gap is between pieces: add -o FILE in .glb, .obj, .stl, .3mf or .geojson");
     for (const std::string& path : arguments.outputs)
         if (is_pieces_output(path) && !is_mesh_output(path) && arguments.mesh_file.empty())
             throw bad_input("output " + in_quotes(path) + " holds pieces of cells in a mesh: add --mesh FILE");
@@ -411,6 +424,12 @@ void check_mesh(const Arguments& arguments) {
         if (is_mesh_output(path) && !is_pieces_output(path))
             throw bad_input("output " + in_quotes(path) +
                             " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl or .3mf");
+    if (!arguments.options.planar) return;
+    if (arguments.picture)
+        throw bad_input("--image does not draw cells in polygons: leave out --mesh, or write .geojson");
+    for (const std::string& path : arguments.outputs)
+        if (is_mesh_output(path))
+            throw bad_input("output " + in_quotes(path) + " holds no polygons with holes: write pieces as .geojson");
     for (const Option* option : arguments.given)
         if (const std::string name = long_name(*option);
             (name == "--color" || name == "--colormap") && !arguments.picture)

@@ -18,6 +18,11 @@
 
 namespace clvotess {
 
+// Returns the memory of an array of numbers.
+std::string_view bytes_of(const auto& numbers) {
+    return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(numbers[0])};
+}
+
 // Returns whether a file exists that is neither regular nor a folder, such as a device or pipe. It is written directly.
 [[nodiscard]] bool is_special_file(const std::string& path);
 

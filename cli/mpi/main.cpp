@@ -2,7 +2,6 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -27,12 +26,6 @@
 
 namespace clvotess {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-    return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 void print(const std::string& text) {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
@@ -135,8 +128,7 @@ int run(const Ranks& ranks, const Arguments& arguments) {
         domain = without_seeds(result.options);
         fill_density(arguments, masses, result.cells.volumes, carried);
     });
-    summary.domain = domain_text(domain, domain_from);
-    summary.domain_json = domain_json(domain, domain_from);
+    summary.set_domain(domain, domain_from);
     summary.has_volumes = arguments.wanted.volumes;
     summary.stats = common_stats(ranks, result, domain);
     summary.stats.seconds = {};

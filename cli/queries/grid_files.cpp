@@ -25,7 +25,7 @@ void write_npy(OutputFile& file, const GridOutput& grid) {
     }
     shape += grid.shape().size() == 1 ? ",)" : ")";
     file.write(npy_header("<f8", shape));
-    file.write({reinterpret_cast<const char*>(grid.numbers.data()), grid.numbers.size() * sizeof(double)});
+    file.write(bytes_of(grid.numbers));
 }
 
 std::string xml_escaped(const std::string& text) {

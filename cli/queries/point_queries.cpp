@@ -31,7 +31,7 @@ void write_located(OutputFile& file, const std::string& path, const std::vector<
         std::string shape = "(";
         shape += std::to_string(seeds.size());
         file.write(npy_header("<i4", shape + ",)"));
-        file.write({reinterpret_cast<const char*>(seeds.data()), seeds.size() * sizeof(std::int32_t)});
+        file.write(bytes_of(seeds));
         return;
     }
     std::string text;
@@ -46,7 +46,7 @@ void write_field(OutputFile& file, const std::string& path, const std::vector<do
         shape += ", ";
         if (components > 1) shape += std::to_string(components);
         file.write(npy_header("<f8", shape + ")"));
-        file.write({reinterpret_cast<const char*>(field.data()), field.size() * sizeof(double)});
+        file.write(bytes_of(field));
         return;
     }
     std::string text;

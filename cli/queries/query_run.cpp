@@ -15,8 +15,6 @@
 namespace clvotess {
 namespace {
 
-using Clock = Progress::Clock;
-
 // Wall-clock seconds of the stages of a run, in order. Those of later frames are added.
 class StageTimes {
 public:

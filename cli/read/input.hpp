@@ -160,8 +160,8 @@ enum class TextKind {
 
 // Returns random seeds inside of a mesh, equally likely everywhere. Throws Failure, and votess::Error for a mesh that
 // is not closed.
-[[nodiscard]] Input random_points_in(const votess::TriangleMesh& mesh, std::uint64_t count, std::uint64_t rng_seed,
-                                     unsigned threads);
+[[nodiscard]] Input random_points_in(const votess::TriangleMesh& mesh, std::size_t dimensions, std::uint64_t count,
+                                     std::uint64_t rng_seed, unsigned threads);
 
 // The seeds of a file in pieces, for files larger than memory.
 class InputPieces {

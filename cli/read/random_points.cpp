@@ -72,15 +72,16 @@ Input random_points(std::uint64_t count, std::uint64_t rng_seed, const ReadReque
     return input;
 }
 
-Input random_points_in(const votess::TriangleMesh& mesh, std::uint64_t count, std::uint64_t rng_seed,
-                       unsigned threads) {
+Input random_points_in(const votess::TriangleMesh& mesh, std::size_t dimensions, std::uint64_t count,
+                       std::uint64_t rng_seed, unsigned threads) {
     Input input;
+    input.dimensions = dimensions;
     if (count == 0) return input;
-    std::array<double, 3> lower, upper;
-    for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<double> lower(dimensions), upper(dimensions);
+    for (std::size_t k = 0; k < dimensions; ++k) {
         lower[k] = std::numeric_limits<double>::infinity();
         upper[k] = -lower[k];
-        for (std::size_t v = k; v < mesh.vertices.size(); v += 3) {
+        for (std::size_t v = k; v < mesh.vertices.size(); v += dimensions) {
             lower[k] = std::min(lower[k], mesh.vertices[v]);
             upper[k] = std::max(upper[k], mesh.vertices[v]);
         }
@@ -88,19 +89,20 @@ Input random_points_in(const votess::TriangleMesh& mesh, std::uint64_t count, st
     // Its only cell is the inside of the mesh.
     votess::Options options;
     options.mesh = mesh;
+    options.planar = dimensions == 2;
     options.threads = threads;
     const votess::Diagram inside(std::span<const double>(lower), options);
     SplitMix64 generator(rng_seed);
     constexpr std::size_t tries = 4096, most_misses = 10'000'000;
-    std::vector<double> places(3 * tries);
+    std::vector<double> places(dimensions * tries);
     for (std::size_t misses = 0; input.size() < count;) {
         for (std::size_t i = 0; i < places.size(); ++i)
-            places[i] = lower[i % 3] + (upper[i % 3] - lower[i % 3]) * generator.uniform();
+            places[i] = lower[i % dimensions] + (upper[i % dimensions] - lower[i % dimensions]) * generator.uniform();
         const std::vector<std::int32_t> seeds = inside.locate(places);
         for (std::size_t q = 0; q < tries && input.size() < count; ++q) {
             if (seeds[q] < 0) continue;
-            const auto place = places.begin() + static_cast<std::ptrdiff_t>(3 * q);
-            input.points.insert(input.points.end(), place, place + 3);
+            const auto place = places.begin() + static_cast<std::ptrdiff_t>(dimensions * q);
+            input.points.insert(input.points.end(), place, place + static_cast<std::ptrdiff_t>(dimensions));
         }
         misses = input.size() == 0 ? misses + tries : 0;
         if (misses > most_misses)

@@ -247,20 +247,27 @@ Surface parse_stl(std::string_view bytes, const std::string& name) {
     return surface;
 }
 
+bool holds_polygons(const std::string& path) {
+    const std::string extension = extension_of(path);
+    return extension == ".geojson" || extension == ".json";
+}
+
 Surface read_surface(const std::string& path) {
     struct Format {
         std::string_view extension;
         Surface (*parse)(std::string_view, const std::string&);
     };
-    constexpr std::array<Format, 5> formats{{{".off", parse_off},
+    constexpr std::array<Format, 7> formats{{{".off", parse_off},
                                              {".obj", parse_obj},
                                              {".stl", parse_stl},
                                              {".ply", parse_ply_surface},
-                                             {".glb", parse_glb}}};
+                                             {".glb", parse_glb},
+                                             {".geojson", parse_geojson},
+                                             {".json", parse_geojson}}};
     const auto* const format = std::ranges::find(formats, std::string_view(extension_of(path)), &Format::extension);
     if (format == formats.end())
         throw bad_input("--mesh " + in_quotes(path) +
-                        ": known are .off .obj .stl .ply .glb: convert it, for example with " +
+                        ": known are .off .obj .stl .ply .glb, and with --2d .geojson: convert it, for example with " +
                         "trimesh, PyVista or Blender");
     return format->parse(read_whole(path), path);
 }

@@ -36,9 +36,6 @@ struct Layout {
     std::optional<std::size_t> id;
 };
 
-bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
-}
 bool is_mark(char c) {
     return c == ',' || c == ';';
 }

@@ -1,4 +1,4 @@
-// The triangle mesh of --mesh, from .off, .obj, .stl, .ply or .glb.
+// The mesh of --mesh: triangles from .off, .obj, .stl, .ply or .glb, polygons of the plane from .geojson.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@
 namespace clvotess {
 
 struct Surface {
-    std::vector<double> vertices;         // 3 each
-    std::vector<std::int32_t> triangles;  // 3 vertices each, from 0
+    std::vector<double> vertices;         // 3 each; of polygons 2
+    std::vector<std::int32_t> triangles;  // 3 vertices each, from 0; of polygons edges, with the inside on their left
     bool merge = false;                   // vertices at equal places are one
     double tolerance = 0;                 // see votess::TriangleMesh::tolerance
+    bool planar = false;                  // polygons
 
     [[nodiscard]] votess::TriangleMesh view() const { return {vertices, triangles, merge, tolerance}; }
 };
@@ -45,6 +46,8 @@ private:
     std::int64_t max_vertex_ = -1, face_of_max_ = 0;  // of all faces
 };
 
+// Returns whether the file holds polygons of the plane, by its extension.
+[[nodiscard]] bool holds_polygons(const std::string& path);
 // Returns the mesh of a file with one of these extensions. Throws Failure.
 [[nodiscard]] Surface read_surface(const std::string& path);
 
@@ -56,5 +59,7 @@ private:
 [[nodiscard]] Surface parse_ply_surface(std::string_view bytes, const std::string& name);
 // Corners with other normals or colors are other vertices, so those at equal places are to be one. z is up.
 [[nodiscard]] Surface parse_glb(std::string_view bytes, const std::string& name);
+// Polygons of geometries, features and collections. Outlines and holes may run in any direction.
+[[nodiscard]] Surface parse_geojson(std::string_view text, const std::string& name);
 
 }  // namespace clvotess

@@ -112,10 +112,10 @@ Cells make_cells(const Arguments& arguments, Input input, votess::Tessellator* t
         return 0;
     });
     if (arguments.picture && !cells.failed()) {
-        const auto began = Progress::Clock::now();
+        const auto began = Clock::now();
         cells.image = draw_picture(*arguments.picture, arguments.coloring, run.input,
                                    once ? tessellation : tessellate(for_picture), run.carried, arguments.gap);
-        cells.image_seconds = std::chrono::duration<double>(Progress::Clock::now() - began).count();
+        cells.image_seconds = seconds_since(began);
     }
 
     cells.domain_from = run.domain_from;

@@ -1,7 +1,6 @@
 #include "run/frames.hpp"
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
 #include "interrupt.hpp"
+#include "progress.hpp"
 #include "summary.hpp"
 #include "write/output.hpp"
 
@@ -86,11 +86,11 @@ Frames::Frames(const Arguments& arguments) : arguments_(arguments) {
 }
 
 std::optional<Input> Frames::next() {
-    const auto begun = std::chrono::steady_clock::now();
+    const auto begun = Clock::now();
     std::optional<Input> frame = read();
     any_ |= frame.has_value();
     if (!any_) throw no_frame(*file_, arguments_.frames->text);
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    seconds_ += seconds_since(begun);
     return frame;
 }
 
@@ -105,8 +105,8 @@ std::optional<Input> Frames::read() {
     if (!file_) {
         if (any_) return std::nullopt;
         if (arguments_.random_count && arguments_.options.mesh)
-            return random_points_in(*arguments_.options.mesh, *arguments_.random_count, arguments_.rng_seed,
-                                    request.threads);
+            return random_points_in(*arguments_.options.mesh, arguments_.options.planar ? 2 : 3,
+                                    *arguments_.random_count, arguments_.rng_seed, request.threads);
         return arguments_.random_count ? random_points(*arguments_.random_count, arguments_.rng_seed, request)
                                        : read_input(arguments_.input, request);
     }
@@ -129,9 +129,6 @@ void write_points(const Arguments& arguments) {
     const InterruptGuard guard;
     Frames reader(arguments);
     OutputFile out("-");
-    const auto write = [&out](const auto& values) {
-        out.write({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])});
-    };
     while (const auto frame = reader.next()) {
         const std::string species = lines_of(frame->species);
         std::vector<std::string> words;
@@ -139,10 +136,10 @@ void write_points(const Arguments& arguments) {
         for (const InputColumn& column : frame->columns)
             sizes.push_back(words.emplace_back(lines_of(column.words)).size());
         out.write(description_of(*frame, sizes, species.size()) + "\n");
-        write(frame->points);
-        write(frame->ids);
+        out.write(bytes_of(frame->points));
+        out.write(bytes_of(frame->ids));
         for (std::size_t c = 0; c < words.size(); ++c) {
-            write(frame->columns[c].values);
+            out.write(bytes_of(frame->columns[c].values));
             out.write(words[c]);
         }
         out.write(species);

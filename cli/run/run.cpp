@@ -21,12 +21,6 @@
 namespace clvotess {
 namespace {
 
-using Clock = Progress::Clock;
-
-double seconds_from(Clock::time_point begin) {
-    return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
 class CellsRun {
 public:
     CellsRun(const Arguments& arguments, Clock::time_point run_began)
@@ -146,8 +140,7 @@ private:
     void add_to_summary(const Cells& cells) {
         const votess::Tessellation& tessellation = cells.tessellation;
         Summary one;
-        one.domain = domain_text(tessellation, cells.domain_from);
-        one.domain_json = domain_json(tessellation, cells.domain_from);
+        one.set_domain(tessellation, cells.domain_from);
         one.stats = tessellation.stats();
         one.fit = cells.fit;
         one.verified = cells.verified;
@@ -164,7 +157,7 @@ private:
         for (const std::string& path : arguments_.outputs)
             outputs_.add(path, cells.output(arguments_, outputs_.place(path)));
         outputs_.end_frame();
-        summary_.seconds_write += seconds_from(begun) + cells.image_seconds;
+        summary_.seconds_write += seconds_since(begun) + cells.image_seconds;
     }
 
     void show(std::uint64_t number, double fraction) {

@@ -12,6 +12,6 @@ void check_frames(const Arguments& arguments);
 
 // Makes and writes the cells of all frames. The summary of several has their sums. Without --frames it may state a
 // failed check, after which nothing is written.
-[[nodiscard]] Summary run_cells(const Arguments& arguments, Progress::Clock::time_point run_began);
+[[nodiscard]] Summary run_cells(const Arguments& arguments, Clock::time_point run_began);
 
 }  // namespace clvotess

@@ -10,7 +10,9 @@ namespace clvotess {
 DomainFrom settle_domain(const Arguments& arguments, std::size_t dimensions, const FileDomain& stated,
                          votess::Options& options) {
     choose_dimensions(dimensions == 2, options);
-    return choose_domain(stated, arguments.periodic, options, arguments.hull);
+    const DomainFrom from = choose_domain(stated, arguments.periodic, options, arguments.hull);
+    if (options.cell && from.box == DomainSource::stated) check_edges(arguments.input, *options.cell);
+    return from;
 }
 
 Settled settle(const Arguments& arguments, Input input) {

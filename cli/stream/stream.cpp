@@ -1,7 +1,6 @@
 #include "stream/stream.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <filesystem>
@@ -31,7 +30,7 @@ constexpr std::size_t piece_rows = 100000;
 constexpr std::uint64_t bytes_for_pieces = 32'000'000;  // bytes for pieces of input and output, and buffers of HDF5
 
 // Reads a number of bytes with an optional unit: powers of 1000, such as 4G, or of 1024, such as 4Gi.
-std::uint64_t bytes_of(std::string text) {
+std::uint64_t read_bytes(std::string text) {
     const std::string given = text;
     double unit = 1;
     const double step = text.ends_with('i') ? 1024 : 1000;
@@ -102,11 +101,6 @@ public:
     }
 
 private:
-    template <class Number>
-    static std::string_view bytes_of(const std::vector<Number>& numbers) {
-        return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
-    }
-
     const Arguments& arguments_;
     std::string folder_;
     bool begun_ = false;
@@ -146,10 +140,6 @@ public:
     [[nodiscard]] std::uint64_t bytes() const { return masses_.size() + volumes_.size(); }
 
 private:
-    static std::string_view bytes_of(std::span<const double> numbers) {
-        return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
-    }
-
     ScratchFile masses_, volumes_;
 };
 
@@ -192,7 +182,7 @@ public:
           domain_from_(domain_from) {}
 
     void begin(const votess::StreamHead& head) override {
-        const auto began = Progress::Clock::now();
+        const auto began = Clock::now();
         head_ = head;
         head_.options.log = {};
         // An empty result, which holds the domain of the run.
@@ -201,18 +191,18 @@ public:
         if (arguments_.has_density && head.duplicates) pending_.emplace(folder_);
         for (const std::string& path : arguments_.outputs)
             writers_.push_back(load_hdf5("cannot write HDF5").create(files_.emplace_back(path)));
-        add_seconds(began);
+        seconds_ += seconds_since(began);
     }
 
     void rows(const votess::StreamRows& rows) override {
-        const auto began = Progress::Clock::now();
+        const auto began = Clock::now();
         for (std::size_t begin = 0; begin == 0 || begin < rows.status.size(); begin += piece_rows)
             write(rows, begin, std::min(piece_rows, rows.status.size() - begin));
-        add_seconds(began);
+        seconds_ += seconds_since(began);
     }
 
     void finish() {
-        const auto began = Progress::Clock::now();
+        const auto began = Clock::now();
         if (pending_) {
             pending_->each_density([&](std::uint64_t row, const std::vector<double>& density) {
                 for (auto& writer : writers_)
@@ -224,7 +214,7 @@ public:
         for (OutputFile& file : files_) file.finish();
         throw_if_interrupted();
         for (OutputFile& file : files_) file.publish();
-        add_seconds(began);
+        seconds_ += seconds_since(began);
     }
 
     [[nodiscard]] const votess::Tessellation& domain() const { return domain_; }
@@ -232,10 +222,6 @@ public:
     [[nodiscard]] std::uint64_t temporary_bytes() const { return pending_ ? pending_->bytes() : 0; }
 
 private:
-    void add_seconds(Progress::Clock::time_point began) {
-        seconds_ += std::chrono::duration<double>(Progress::Clock::now() - began).count();
-    }
-
     void write(const votess::StreamRows& rows, std::size_t begin, std::size_t count) {
         Input input = extras_.read(count);
         std::vector<InputColumn> carried = take_carried(arguments_, input);
@@ -295,7 +281,7 @@ std::uint64_t memory_for_library(std::uint64_t memory) {
 }  // namespace
 
 void read_memory(const Typed& typed, Arguments& arguments) {
-    if (const std::string* size = typed.value("--memory")) arguments.memory = bytes_of(*size);
+    if (const std::string* size = typed.value("--memory")) arguments.memory = read_bytes(*size);
     if (const std::string* folder = typed.value("--temporary")) {
         if (folder->empty()) throw bad_input("--temporary is empty: give a folder");
         arguments.temporary = *folder;
@@ -329,7 +315,7 @@ void check_streamed(const Arguments& arguments) {
 
 namespace {
 
-Summary stream_one(const Arguments& arguments, Progress::Clock::time_point run_began) {
+Summary stream_one(const Arguments& arguments, Clock::time_point run_began) {
     const InterruptGuard guard;
     Progress progress(!arguments.quiet, run_began);
     const auto pieces = arguments.random_count
@@ -373,15 +359,14 @@ Summary stream_one(const Arguments& arguments, Progress::Clock::time_point run_b
     summary.seconds_write = sink.seconds();
     seconds.download = std::max(0.0, seconds.download - sink.seconds());
     summary.input_note = pieces->note;
-    summary.domain = domain_text(sink.domain(), domain_from);
-    summary.domain_json = domain_json(sink.domain(), domain_from);
+    summary.set_domain(sink.domain(), domain_from);
     summary.has_volumes = arguments.wanted.volumes;
     return summary;
 }
 
 }  // namespace
 
-Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
+Summary run_streamed(const Arguments& arguments, Clock::time_point run_began) {
     if (!arguments.frames) return stream_one(arguments, run_began);
     const FrameRange& range = *arguments.frames;
     const std::uint64_t count = open_frames(arguments.input, arguments.read)->count_rest().value_or(1);

@@ -16,6 +16,6 @@ void read_memory(const Typed& typed, Arguments& arguments);
 void check_streamed(const Arguments& arguments);
 
 // Writes the outputs unless verification fails. Returns the summary without its total time.
-[[nodiscard]] Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began);
+[[nodiscard]] Summary run_streamed(const Arguments& arguments, Clock::time_point run_began);
 
 }  // namespace clvotess

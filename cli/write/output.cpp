@@ -26,25 +26,17 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
     load_hdf5("cannot write HDF5").write(file, data);
 }
 
-constexpr std::array<Kind, 19> kinds{{{".txt", write_text, false, true, true},
-                                      {".vol", write_text, false, true, true},
-                                      {".npz", write_npz, false, true, false},
-                                      {".h5", write_hdf5, false, true, true},
-                                      {".hdf5", write_hdf5, false, true, true},
-                                      {".csv", write_csv, false, true, true},
-                                      {".xyz", write_xyz, false, true, true},
-                                      {".extxyz", write_xyz, false, true, true},
-                                      {".dump", write_dump, false, true, true},
-                                      {".lammpstrj", write_dump, false, true, true},
-                                      {".vtu", write_vtu, true, true, false, true},
-                                      {".ply", write_ply, true, false, false},
-                                      {".obj", write_obj, true, false, false, true},
-                                      {".glb", write_glb, true, false, false, true},
-                                      {".foam", write_foam, true, false, false},
-                                      {".tess", write_tess, true, false, false},
-                                      {".msh", write_msh, true, false, false},
-                                      {".stl", write_stl, false, false, false, true},
-                                      {".3mf", write_3mf, false, false, false, true}}};
+constexpr std::array<Kind, 20> kinds{
+    {{".txt", write_text, false, true, true},        {".vol", write_text, false, true, true},
+     {".npz", write_npz, false, true, false},        {".h5", write_hdf5, false, true, true},
+     {".hdf5", write_hdf5, false, true, true},       {".csv", write_csv, false, true, true},
+     {".xyz", write_xyz, false, true, true},         {".extxyz", write_xyz, false, true, true},
+     {".dump", write_dump, false, true, true},       {".lammpstrj", write_dump, false, true, true},
+     {".vtu", write_vtu, true, true, false, true},   {".ply", write_ply, true, false, false},
+     {".obj", write_obj, true, false, false, true},  {".glb", write_glb, true, false, false, true},
+     {".foam", write_foam, true, false, false},      {".tess", write_tess, true, false, false},
+     {".msh", write_msh, true, false, false},        {".stl", write_stl, false, false, false, true},
+     {".3mf", write_3mf, false, false, false, true}, {".geojson", write_geojson, false, false, false, true}}};
 
 bool is_table(const Kind& kind) {
     return kind.write == write_csv || kind.write == write_xyz || kind.write == write_dump;
@@ -98,7 +90,7 @@ bool is_mesh_output(const std::string& path) {
 
 bool needs_space(const std::string& path) {
     const Kind* const kind = kind_of(path);
-    return kind && (kind->mesh || kind->pieces) && kind->write != write_vtu;
+    return kind && (kind->mesh || kind->pieces) && kind->write != write_vtu && kind->write != write_geojson;
 }
 
 bool is_pieces_output(const std::string& path) {
@@ -205,7 +197,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
             throw bad_input(
                 "cannot write " + in_quotes(path) +
                 ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb .foam .tess .msh, with --mesh "
-                ".stl and .3mf, "
+                ".stl, .3mf and .geojson, "
                 "and text on stdout "
                 "as -");
         }

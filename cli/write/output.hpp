@@ -147,5 +147,6 @@ void write_tess(OutputFile& file, const OutputData& data);
 void write_msh(OutputFile& file, const OutputData& data);
 void write_stl(OutputFile& file, const OutputData& data);
 void write_3mf(OutputFile& file, const OutputData& data);
+void write_geojson(OutputFile& file, const OutputData& data);
 
 }  // namespace clvotess

@@ -1,5 +1,5 @@
-// .vtu, .ply, .obj and .glb, written by votess_write_mesh(). In a mesh .obj, .glb, .stl and .3mf of pieces, written by
-// votess_write_pieces().
+// .vtu, .ply, .obj and .glb, written by votess_write_mesh(). In a mesh .obj, .glb, .stl, .3mf and .geojson of pieces,
+// written by votess_write_pieces().
 #include <votess/votess.h>
 
 #include <algorithm>
@@ -275,6 +275,10 @@ void write_stl(OutputFile& file, const OutputData& data) {
 
 void write_3mf(OutputFile& file, const OutputData& data) {
     write_pieces(file, data, ".3mf");
+}
+
+void write_geojson(OutputFile& file, const OutputData& data) {
+    write_pieces(file, data, ".geojson");
 }
 
 void write_glb(OutputFile& file, const OutputData& data) {

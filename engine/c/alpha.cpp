@@ -5,15 +5,13 @@ using namespace votess::c;
 
 votess_status votess_alpha_new(const votess_result* result, const double* points, size_t count,
                                const int32_t* replicate, votess_alpha** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(result, "result");
         std::array<std::int32_t, 3> copies{1, 1, 1};
         if (replicate != nullptr) copies = {replicate[0], replicate[1], replicate[2]};
         const std::size_t dimensions = dimensions_of(result->tessellation);
         const auto input = coordinates(points, count, "points", "count", dimensions);
-        *out = new votess_alpha{votess::alpha_complex(result->tessellation, input, copies), dimensions};
+        return votess_alpha{votess::alpha_complex(result->tessellation, input, copies), dimensions};
     });
 }
 

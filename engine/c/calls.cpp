@@ -17,14 +17,12 @@ namespace {
 template <typename Coordinate>
 votess_status tessellate(votess_tessellator* tessellator, const Coordinate* points, std::size_t count,
                          const votess_options* options, votess_result** out) noexcept {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         const votess::Options converted = convert_options(options, count);
         const std::span<const Coordinate> input =
             coordinates(points, count, "points", "count", dimensions_of(converted));
-        *out = new votess_result{tessellator == nullptr ? votess::tessellate(input, converted)
-                                                        : tessellator->tessellator.tessellate(input, converted)};
+        return votess_result{tessellator == nullptr ? votess::tessellate(input, converted)
+                                                    : tessellator->tessellator.tessellate(input, converted)};
     });
 }
 
@@ -43,20 +41,13 @@ std::array<double, 3> vector(const double* numbers, const char* name) {
 
 void write_walls(const std::vector<votess::Wall>& walls, double* out) {
     require(out, "walls");
-    for (const votess::Wall& wall : walls) {
-        out = std::ranges::copy(wall.normal, out).out;
-        *out++ = wall.offset;
-    }
+    std::ranges::copy(rows_of(walls), out);
 }
 
 }  // namespace
 
 votess_status votess_tessellator_new(votess_tessellator** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
-        *out = new votess_tessellator{};
-    });
+    return create(out, [&] { return votess_tessellator{}; });
 }
 
 void votess_tessellator_free(votess_tessellator* tessellator) {
@@ -74,11 +65,9 @@ votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float
 }
 
 votess_status votess_delaunay_new(const votess_result* result, votess_delaunay** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(result, "result");
-        *out = new votess_delaunay{votess::delaunay(result->tessellation), dimensions_of(result->tessellation)};
+        return votess_delaunay{votess::delaunay(result->tessellation), dimensions_of(result->tessellation)};
     });
 }
 
@@ -159,8 +148,7 @@ votess_status votess_value_colors(const double* values, size_t count, int32_t co
         require_array(values, count, "values", "count");
         require_array(rgb, count, "rgb", "count");
         if (colormap < 0 || colormap > 2) {
-            throw votess::Error(votess::ErrorCode::invalid_argument,
-                                "colormap = " + std::to_string(colormap) + ": give 0 (tide), 1 (ember) or 2 (gray)");
+            refuse("colormap = " + std::to_string(colormap) + ": give 0 (tide), 1 (ember) or 2 (gray)");
         }
         votess::PictureOptions options;
         options.values = std::span(values, count);
@@ -186,15 +174,10 @@ votess_status votess_cone_walls(const double apex[3], const double axis[3], doub
 }
 
 votess_status votess_hull_new(const double* points, size_t count, const votess_options* options, votess_hull** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         const votess::Options converted = convert_options(options, count);
-        const auto walls =
-            votess::hull_walls(coordinates(points, count, "points", "count", dimensions_of(converted)), converted);
-        std::vector<double> rows(4 * walls.size());
-        if (!rows.empty()) write_walls(walls, rows.data());
-        *out = new votess_hull{std::move(rows)};
+        const auto input = coordinates(points, count, "points", "count", dimensions_of(converted));
+        return votess_hull{rows_of(votess::hull_walls(input, converted))};
     });
 }
 

@@ -28,21 +28,17 @@ std::size_t size_of(const votess::GridOptions& options) {
 
 votess_status votess_diagram_new(const double* points, size_t count, const votess_options* options,
                                  votess_diagram** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         const votess::Options converted = convert_options(options, count);
         const auto input = coordinates(points, count, "points", "count", dimensions_of(converted));
-        *out = new votess_diagram{votess::Diagram(input, converted), {}};
+        return votess_diagram{votess::Diagram(input, converted), {}};
     });
 }
 
 votess_status votess_diagram_view(const votess_diagram* diagram, const votess_options* options, votess_diagram** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(diagram, "diagram");
-        *out = new votess_diagram{diagram->diagram, convert_options(options, 0).progress};
+        return votess_diagram{diagram->diagram, convert_options(options, 0).progress};
     });
 }
 
@@ -71,9 +67,7 @@ votess_status votess_diagram_locate(const votess_diagram* diagram, const double*
 
 votess_status votess_diagram_probe(const votess_diagram* diagram, const double* queries, size_t count, uint32_t want,
                                    int32_t list_walls, const double* weights, votess_result** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(diagram, "diagram");
         const auto input = queries_of(*diagram, queries, count);
         votess::ProbeOptions options;
@@ -81,7 +75,7 @@ votess_status votess_diagram_probe(const votess_diagram* diagram, const double* 
         options.list_walls = list_walls != 0;
         options.progress = diagram->progress;
         if (weights != nullptr) options.weights = {weights, count};
-        *out = new votess_result{diagram->diagram.probe(input, options)};
+        return votess_result{diagram->diagram.probe(input, options)};
     });
 }
 

@@ -63,10 +63,6 @@ void set_internal_error(const char* message) noexcept {
     std::snprintf(last_error, sizeof last_error, "internal error, please report it: %s", message);
 }
 
-void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
-
 void require(const void* pointer, const char* name) {
     if (pointer == nullptr) refuse(std::string(name) + " is NULL");
 }

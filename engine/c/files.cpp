@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "c/handles.hpp"
+#include "c/piece_arrays.hpp"
 #include "files/mesh.hpp"
 #include "files/pieces.hpp"
 #include "files/shared_mesh.hpp"
@@ -22,7 +23,7 @@ constexpr std::size_t first_mesh_size = offsetof(votess_mesh, box_upper) + sizeo
 static_assert(sizeof(votess_mesh) >= first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
 constexpr std::size_t first_pieces_size =
     offsetof(votess_piece_arrays, centroids) + sizeof(votess_piece_arrays::centroids);
-static_assert(sizeof(votess_piece_arrays) == first_pieces_size && first_pieces_size <= VOTESS_LARGEST_STRUCT);
+static_assert(sizeof(votess_piece_arrays) >= first_pieces_size && sizeof(votess_piece_arrays) <= VOTESS_LARGEST_STRUCT);
 constexpr auto max_count = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
 
 template <class Element>
@@ -137,35 +138,6 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     return out;
 }
 
-files::Pieces checked(const votess_piece_arrays& given) {
-    if (given.rows > max_count) refuse("pieces.rows may be " + std::to_string(max_count) + " at most");
-    files::Pieces pieces;
-    pieces.indptr = offsets(given.indptr, given.rows, "indptr", "pieces");
-    const auto count = static_cast<std::uint64_t>(pieces.indptr.back());
-    pieces.ids = array(given.ids, given.rows, "ids", "pieces");
-    pieces.vertex_offsets = offsets(given.vertex_offsets, count, "vertex_offsets", "pieces");
-    pieces.vertices =
-        array(given.vertices, 3 * static_cast<std::uint64_t>(pieces.vertex_offsets.back()), "vertices", "pieces");
-    pieces.triangle_offsets = offsets(given.triangle_offsets, count, "triangle_offsets", "pieces");
-    const auto triangles = static_cast<std::uint64_t>(pieces.triangle_offsets.back());
-    pieces.triangles = array(given.triangles, 3 * triangles, "triangles", "pieces");
-    for (std::size_t p = 0; p < count; ++p) {
-        const std::int64_t vertices = pieces.vertex_offsets[p + 1] - pieces.vertex_offsets[p];
-        if (vertices == 0) refuse("the piece " + std::to_string(p) + " has no vertices");
-        for (std::int64_t k = 3 * pieces.triangle_offsets[p]; k < 3 * pieces.triangle_offsets[p + 1]; ++k) {
-            const std::int32_t v = pieces.triangles[static_cast<std::size_t>(k)];
-            if (v < 0 || v >= vertices)
-                refuse("pieces.triangles[" + std::to_string(k) + "] is " + std::to_string(v) + ", but the piece has " +
-                       std::to_string(vertices) + " vertices");
-        }
-    }
-    pieces.on_surface = array(given.on_surface, triangles, "on_surface", "pieces");
-    if (std::ranges::any_of(pieces.on_surface, [](std::uint8_t flag) { return flag > 1; }))
-        refuse("pieces.on_surface must hold 0 and 1");
-    pieces.centroids = array(given.centroids, 3 * count, "centroids", "pieces");
-    return pieces;
-}
-
 files::ByteSink sink(votess_write_callback write, void* user) {
     if (write == nullptr) refuse("write is NULL");
     return files::ByteSink([write, user](std::string_view bytes, std::uint64_t total, const std::string& file) {
@@ -180,6 +152,42 @@ files::ByteSink sink(votess_write_callback write, void* user) {
 }
 
 }  // namespace
+
+files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::size_t dimensions) {
+    require(arrays, "pieces");
+    require_struct_size(arrays->struct_size, first_pieces_size, "pieces.struct_size",
+                        "give sizeof(votess_piece_arrays)");
+    votess_piece_arrays given{};
+    std::memcpy(&given, arrays, std::min<std::size_t>(arrays->struct_size, sizeof given));
+    if (given.rows > max_count) refuse("pieces.rows may be " + std::to_string(max_count) + " at most");
+    files::Pieces pieces;
+    pieces.indptr = offsets(given.indptr, given.rows, "indptr", "pieces");
+    const auto count = static_cast<std::uint64_t>(pieces.indptr.back());
+    pieces.ids = array(given.ids, given.rows, "ids", "pieces");
+    pieces.vertex_offsets = offsets(given.vertex_offsets, count, "vertex_offsets", "pieces");
+    pieces.vertices = array(given.vertices, dimensions * static_cast<std::uint64_t>(pieces.vertex_offsets.back()),
+                            "vertices", "pieces");
+    pieces.triangle_offsets = offsets(given.triangle_offsets, count, "triangle_offsets", "pieces");
+    const auto triangles = static_cast<std::uint64_t>(pieces.triangle_offsets.back());
+    pieces.triangles = array(given.triangles, dimensions * triangles, "triangles", "pieces");
+    for (std::size_t p = 0; p < count; ++p) {
+        const std::int64_t vertices = pieces.vertex_offsets[p + 1] - pieces.vertex_offsets[p];
+        if (vertices == 0) refuse("the piece " + std::to_string(p) + " has no vertices");
+        const auto end = dimensions * static_cast<std::size_t>(pieces.triangle_offsets[p + 1]);
+        for (auto k = dimensions * static_cast<std::size_t>(pieces.triangle_offsets[p]); k < end; ++k) {
+            const std::int32_t v = pieces.triangles[k];
+            if (v < 0 || v >= vertices)
+                refuse("pieces.triangles[" + std::to_string(k) + "] is " + std::to_string(v) + ", but the piece has " +
+                       std::to_string(vertices) + " vertices");
+        }
+    }
+    pieces.on_surface = array(given.on_surface, triangles, "on_surface", "pieces");
+    if (std::ranges::any_of(pieces.on_surface, [](std::uint8_t flag) { return flag > 1; }))
+        refuse("pieces.on_surface must hold 0 and 1");
+    if (given.sources != nullptr) pieces.sources = {given.sources, triangles};
+    pieces.centroids = array(given.centroids, dimensions * count, "centroids", "pieces");
+    return pieces;
+}
 
 votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write, void* user) {
     return guarded([&] {
@@ -255,11 +263,9 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
     return guarded([&] {
         require(pieces, "pieces");
         require(format, "format");
-        require_struct_size(pieces->struct_size, first_pieces_size, "pieces.struct_size",
-                            "give sizeof(votess_piece_arrays)");
-        const files::Pieces arrays = checked(*pieces);
-        files::ByteSink out = sink(write, user);
         const std::string_view name = format;
+        const files::Pieces arrays = checked_pieces(pieces, name == ".geojson" ? 2 : 3);
+        files::ByteSink out = sink(write, user);
         if (name == ".glb") {
             files::write_pieces_glb(arrays, out);
         } else if (name == ".obj") {
@@ -268,8 +274,10 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
             files::write_pieces_stl(arrays, out);
         } else if (name == ".3mf") {
             files::write_pieces_3mf(arrays, out);
+        } else if (name == ".geojson") {
+            files::write_pieces_geojson(arrays, out);
         } else {
-            refuse_format(name, ".glb .obj .stl .3mf");
+            refuse_format(name, ".glb .obj .stl .3mf .geojson");
         }
         out.flush();
     });

@@ -26,7 +26,10 @@ votess::FitOptions convert(const votess_fit_options* given) {
                             "call votess_fit_options_init first");
         std::memcpy(&all, given, sizeof all);
     }
-    return {.tolerance = all.tolerance, .max_steps = all.max_steps, .normalize = all.normalize != 0};
+    votess::FitOptions converted{
+        .tolerance = all.tolerance, .max_steps = all.max_steps, .normalize = all.normalize != 0};
+    if (all.density != nullptr) converted.density = density_of(all.density, all.density_shape);
+    return converted;
 }
 
 }  // namespace

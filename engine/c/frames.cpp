@@ -28,12 +28,10 @@ std::span<const T> all(const votess::Buffer<T>& array) {
 template <class Real>
 votess_status run_frame(votess_frames* frames, const Real* points, const double* weights, std::size_t count,
                         votess_frame_cells** out) noexcept {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(frames, "frames");
         const std::span<const double> given(weights, weights == nullptr ? 0 : count);
-        *out = new votess_frame_cells{frames->frames.run(coordinates(points, count), given)};
+        return votess_frame_cells{frames->frames.run(coordinates(points, count), given)};
     });
 }
 
@@ -41,9 +39,7 @@ votess_status run_frame(votess_frames* frames, const Real* points, const double*
 
 votess_status votess_frames_new(const votess_frames_options* frames, const votess_options* options,
                                 const votess_frames* share, votess_frames** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(frames, "frames");
         require_struct_size(frames->struct_size, sizeof *frames, "frames.struct_size",
                             "set it to sizeof(votess_frames_options)");
@@ -63,7 +59,7 @@ votess_status votess_frames_new(const votess_frames_options* frames, const votes
         }
         if (frames->has_weights != 0) settings.weights.emplace(frames->least_weight, frames->largest_weight);
         constexpr std::size_t any_count = 1;  // weights and radii are refused
-        *out = new votess_frames{
+        return votess_frames{
             {settings, convert_options(options, any_count), share == nullptr ? nullptr : &share->frames}};
     });
 }
@@ -91,11 +87,9 @@ votess_status votess_frames_run_f32(votess_frames* frames, const float* points, 
 }
 
 votess_status votess_frames_resolve(votess_frames* frames, votess_frame_cells** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(frames, "frames");
-        *out = new votess_frame_cells{frames->frames.resolve()};
+        return votess_frame_cells{frames->frames.resolve()};
     });
 }
 

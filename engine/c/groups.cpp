@@ -5,12 +5,10 @@ using namespace votess::c;
 
 votess_status votess_groups_new(const votess_result* result, const std::int64_t* labels, size_t count,
                                 votess_groups** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(result, "result");
         require_array(labels, count, "labels", "count");
-        *out = new votess_groups{votess::groups(result->tessellation, {labels, count})};
+        return votess_groups{votess::groups(result->tessellation, {labels, count})};
     });
 }
 

@@ -14,6 +14,7 @@
 #include <type_traits>
 #include <vector>
 #include <votess/alpha.hpp>
+#include <votess/density.hpp>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/groups.hpp>
@@ -21,6 +22,8 @@
 #include <votess/pieces.hpp>
 #include <votess/votess.hpp>
 #include <votess/zones.hpp>
+
+#include "core/errors.hpp"
 
 struct votess_tessellator {
     votess::Tessellator tessellator;
@@ -67,6 +70,11 @@ struct votess_groups {
     votess::Groups groups;
 };
 
+struct votess_masses {
+    votess::Masses masses;
+    std::size_t dimensions;
+};
+
 struct votess_network {
     votess::Network network;
     std::size_t dimensions;
@@ -74,6 +82,7 @@ struct votess_network {
 
 struct votess_pieces {
     votess::Pieces pieces;
+    std::size_t dimensions;
 };
 
 struct votess_alpha {
@@ -95,7 +104,7 @@ void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept;
 VOTESS_API void set_last_error(std::string_view message) noexcept;
 VOTESS_API void set_internal_error(const char* message) noexcept;
 
-[[noreturn]] VOTESS_API void refuse(const std::string& message);
+using votess::refuse;
 VOTESS_API void require(const void* pointer, const char* name);
 void require_text_buffer(const char* buffer, std::size_t size, const char* name);
 
@@ -141,6 +150,9 @@ template <typename Of>
         return of.planar ? 2 : 3;
 }
 
+// Returns a density on a grid. Refuses NULL, unless the shape has no elements. The library checks the shape.
+[[nodiscard]] Density density_of(const double* values, const size_t shape[3]);
+
 template <typename Coordinate>
 std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points",
                                         const char* count_name = "count", std::size_t dimensions = 3) {
@@ -154,6 +166,16 @@ Value value_of(const Handle* handle, const char* error, const Get& get) noexcept
     if (handle != nullptr) return static_cast<Value>(get(*handle));
     set_last_error(error);
     return 0;
+}
+
+// Returns numbers nx, ny, nz and d of each wall.
+inline std::vector<double> rows_of(const std::vector<Wall>& walls) {
+    std::vector<double> rows;
+    for (const Wall& wall : walls) {
+        rows.insert(rows.end(), wall.normal.begin(), wall.normal.end());
+        rows.push_back(wall.offset);
+    }
+    return rows;
 }
 
 // Those of queries, which have the dimensions of the seeds.
@@ -173,6 +195,11 @@ auto call_back(const char* name, const Function& function) {
     } catch (...) {
         throw Error(ErrorCode::cancelled, threw + "an exception of unknown type");
     }
+}
+
+// Returns a callback of the engine for one of C, which is not NULL.
+inline ProgressCallback watching(votess_progress_callback callback, void* user) {
+    return [=](double fraction) { return call_back("progress", [&] { return callback(fraction, user) != 0; }); };
 }
 
 // Calls function(data). Meanwhile the callback of votess_set_progress() may stop it.
@@ -196,6 +223,16 @@ votess_status guarded(Function&& function) noexcept {
         set_internal_error("an exception of unknown type");
         return VOTESS_ERROR_INTERNAL;
     }
+}
+
+// Makes a handle: *out = make(), or NULL after an error.
+template <typename Handle, typename Make>
+votess_status create(Handle** out, const Make& make) noexcept {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        *out = new Handle(make());
+    });
 }
 
 // An array of a handle, and its name.

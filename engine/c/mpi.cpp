@@ -22,6 +22,22 @@ namespace {
 static_assert(same(VOTESS_MPI_HANDED_IN, votess::mpi::Cells::handed_in));
 static_assert(same(VOTESS_MPI_MADE, votess::mpi::Cells::made));
 
+// The input of a rank. An argument that is wrong on one rank is an error on all. check(): of further arguments.
+struct Input {
+    template <typename Check>
+    Input(MPI_Comm comm, const double* given, size_t count, const votess_options* given_options, const void* out,
+          const Check& check) {
+        votess::mpi::Ranks(comm).together([&] {
+            require(out, "out");
+            options = convert_options(given_options, count);
+            points = coordinates(given, count, "points", "count", dimensions_of(options));
+            check();
+        });
+    }
+    votess::Options options;
+    std::span<const double> points;
+};
+
 constexpr std::size_t first_size = offsetof(votess_mpi_counts, volume_sum) + sizeof(votess_mpi_counts::volume_sum);
 
 }  // namespace
@@ -34,19 +50,8 @@ votess_status votess_mpi_hull_new(MPI_Comm comm, const double* points, size_t co
                                   votess_hull** out) {
     return guarded([&] {
         if (out != nullptr) *out = nullptr;
-        std::span<const double> input;
-        votess::Options converted;
-        votess::mpi::Ranks(comm).together([&] {
-            require(out, "out");
-            converted = convert_options(options, count);
-            input = coordinates(points, count, "points", "count", dimensions_of(converted));
-        });
-        std::vector<double> rows;
-        for (const votess::Wall& wall : votess::mpi::hull_walls(comm, input, converted)) {
-            rows.insert(rows.end(), wall.normal.begin(), wall.normal.end());
-            rows.push_back(wall.offset);
-        }
-        *out = new votess_hull{std::move(rows)};
+        const Input input(comm, points, count, options, out, [] {});
+        *out = new votess_hull{rows_of(votess::mpi::hull_walls(comm, input.points, input.options))};
     });
 }
 
@@ -54,19 +59,13 @@ votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t 
                                     const votess_options* options, int32_t cells, votess_mpi_result** out) {
     return guarded([&] {
         if (out != nullptr) *out = nullptr;
-        // An argument that is wrong on one rank is an error on all.
-        std::span<const double> input;
-        votess::Options converted;
-        votess::mpi::Ranks(comm).together([&] {
-            require(out, "out");
-            converted = convert_options(options, count);
-            input = coordinates(points, count, "points", "count", dimensions_of(converted));
+        const Input input(comm, points, count, options, out, [&] {
             if (cells != VOTESS_MPI_HANDED_IN && cells != VOTESS_MPI_MADE)
                 refuse("cells is " + std::to_string(cells) + ": use one of VOTESS_MPI_*");
         });
         const std::span<const std::int64_t> numbers(ids, ids == nullptr ? 0 : count);
-        *out = new votess_mpi_result{
-            votess::mpi::tessellate(comm, input, numbers, converted, static_cast<votess::mpi::Cells>(cells))};
+        *out = new votess_mpi_result{votess::mpi::tessellate(comm, input.points, numbers, input.options,
+                                                             static_cast<votess::mpi::Cells>(cells))};
     });
 }
 

@@ -27,14 +27,12 @@ votess::NaturalOptions natural_options(const votess_diagram& diagram, int32_t me
 
 votess_status votess_natural_new(const votess_diagram* diagram, const double* queries, size_t count, int32_t method,
                                  int32_t at_walls, int32_t gradients, const double* weights, votess_natural** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(diagram, "diagram");
         const auto input = queries_of(*diagram, queries, count);
         const votess::NaturalOptions options =
             natural_options(*diagram, method, at_walls, gradients != 0, weights, count);
-        *out = new votess_natural{diagram->diagram.natural_neighbors(input, options), dimensions_of(diagram->diagram)};
+        return votess_natural{diagram->diagram.natural_neighbors(input, options), dimensions_of(diagram->diagram)};
     });
 }
 

@@ -7,13 +7,11 @@ using namespace votess::c;
 
 votess_status votess_network_new(const votess_result* result, const double* points, size_t count,
                                  votess_network** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(result, "result");
         const std::size_t dimensions = dimensions_of(result->tessellation);
         const auto input = coordinates(points, count, "points", "count", dimensions);
-        *out = new votess_network{votess::network(result->tessellation, input), dimensions};
+        return votess_network{votess::network(result->tessellation, input), dimensions};
     });
 }
 

@@ -89,10 +89,11 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
     if (given.weights != nullptr) options.weights = {given.weights, count};
     if (given.radii != nullptr) options.radii = {given.radii, count};
     if (given.has_mesh != 0) {
+        const std::size_t dimensions = given.planar != 0 ? 2 : 3;
         require_array(given.mesh_vertices, given.mesh_vertex_count, "options.mesh_vertices", "mesh_vertex_count");
         require_array(given.mesh_triangles, given.mesh_triangle_count, "options.mesh_triangles", "mesh_triangle_count");
-        options.mesh = TriangleMesh{{given.mesh_vertices, 3 * given.mesh_vertex_count},
-                                    {given.mesh_triangles, 3 * given.mesh_triangle_count},
+        options.mesh = TriangleMesh{{given.mesh_vertices, dimensions * given.mesh_vertex_count},
+                                    {given.mesh_triangles, dimensions * given.mesh_triangle_count},
                                     given.mesh_merge != 0,
                                     given.mesh_tolerance};
     }
@@ -126,11 +127,7 @@ Options convert_options(const votess_options* given, std::size_t count) {
     options.want = convert_want(c_options.want, "options.want");
     convert_domain(c_options, count, options);
     each_option([&](auto, auto member, auto c_member, auto) { assign(options.*member, c_options.*c_member); });
-    if (c_options.progress != nullptr) {
-        options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {
-            return call_back("progress", [&] { return callback(fraction, user) != 0; });
-        };
-    }
+    if (c_options.progress != nullptr) options.progress = watching(c_options.progress, c_options.progress_user);
     if (c_options.log != nullptr) {
         options.log = [callback = c_options.log, user = c_options.log_user](std::string_view message) {
             call_back("log", [&] { callback(std::string(message).c_str(), user); });

@@ -7,6 +7,7 @@
 #include <votess/picture.hpp>
 
 #include "c/handles.hpp"
+#include "c/piece_arrays.hpp"
 
 using namespace votess::c;
 
@@ -74,6 +75,14 @@ votess::PictureOptions convert(const votess_picture_options* given) {
     return options;
 }
 
+void check_size(const votess::PictureOptions& look, const uint8_t* pixels, size_t size) {
+    require(pixels, "pixels");
+    const std::size_t bytes = std::size_t{4} * look.width * look.height;
+    if (size != bytes)
+        refuse("size = " + std::to_string(size) + ": a picture of " + std::to_string(look.width) + " x " +
+               std::to_string(look.height) + " pixels has " + std::to_string(bytes) + " bytes");
+}
+
 }  // namespace
 
 votess_status votess_picture_options_init(votess_picture_options* options, size_t size) {
@@ -91,13 +100,32 @@ votess_status votess_render(const votess_result* result, const double* points, s
         require(result, "result");
         const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
         const votess::PictureOptions look = convert(options);
-        require(pixels, "pixels");
-        if (size != std::size_t{4} * look.width * look.height)
-            refuse("size = " + std::to_string(size) + ": a picture of " + std::to_string(look.width) + " x " +
-                   std::to_string(look.height) + " pixels has " +
-                   std::to_string(std::size_t{4} * look.width * look.height) + " bytes");
+        check_size(look, pixels, size);
         const votess::Picture picture = votess::render(result->tessellation, input, look);
         std::ranges::copy(picture.pixels, pixels);
         if (left_out != nullptr) *left_out = picture.left_out;
+    });
+}
+
+votess_status votess_render_pieces(const votess_piece_arrays* pieces, const votess_picture_options* options,
+                                   uint8_t* pixels, size_t size) {
+    return guarded([&] {
+        const votess::files::Pieces given = checked_pieces(pieces, 3);
+        const votess::PictureOptions look = convert(options);
+        check_size(look, pixels, size);
+        require(look.values.data(), "options.values");
+        votess::Pieces all;
+        const auto copy = [](auto& to, const auto& from) { to.assign(from.begin(), from.end()); };
+        copy(all.indptr, given.indptr);
+        copy(all.vertex_offsets, given.vertex_offsets);
+        copy(all.vertices, given.vertices);
+        copy(all.triangle_offsets, given.triangle_offsets);
+        copy(all.triangles, given.triangles);
+        copy(all.on_surface, given.on_surface);
+        copy(all.sources, given.sources);
+        all.sources.resize(all.on_surface.size(), -1);
+        copy(all.centroids, given.centroids);
+        all.volumes.resize(given.size());  // options.values color them
+        std::ranges::copy(votess::render(all, look).pixels, pixels);
     });
 }

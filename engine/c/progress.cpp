@@ -17,9 +17,7 @@ thread_local Watch watch_of_thread;
 void call_watched(void (*function)(void*), void* data) {
     const Watch watch = watch_of_thread;
     if (watch.callback == nullptr) return function(data);
-    Progress progress([watch](double fraction) {
-        return call_back("progress", [&] { return watch.callback(fraction, watch.user) != 0; });
-    });
+    Progress progress(watching(watch.callback, watch.user));
     const Stoppable stoppable(progress, {});
     function(data);
 }

@@ -5,15 +5,13 @@ using namespace votess::c;
 
 votess_status votess_rays_new(const votess_diagram* diagram, const double* origins, const double* directions,
                               const double* lengths, size_t count, int32_t middles, votess_rays** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(diagram, "diagram");
         const auto from = queries_of(*diagram, origins, count, "origins"),
                    along = queries_of(*diagram, directions, count, "directions");
         require_array(lengths, count, "lengths", "count");
-        *out = new votess_rays{diagram->diagram.trace(from, along, {lengths, count}, {middles != 0, diagram->progress}),
-                               dimensions_of(diagram->diagram)};
+        return votess_rays{diagram->diagram.trace(from, along, {lengths, count}, {middles != 0, diagram->progress}),
+                           dimensions_of(diagram->diagram)};
     });
 }
 

@@ -5,21 +5,17 @@ using namespace votess::c;
 
 votess_status votess_zones_new(const votess_result* result, const double* values, size_t count, int32_t maxima,
                                votess_zones** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(result, "result");
         require_array(values, count, "values", "count");
-        *out = new votess_zones{votess::watershed(result->tessellation, {values, count}, maxima != 0)};
+        return votess_zones{votess::watershed(result->tessellation, {values, count}, maxima != 0)};
     });
 }
 
 votess_status votess_zones_merge(const votess_zones* zones, double threshold, votess_zones** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(zones, "zones");
-        *out = new votess_zones{zones->zones.merge(threshold)};
+        return votess_zones{zones->zones.merge(threshold)};
     });
 }
 

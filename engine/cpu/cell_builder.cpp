@@ -8,24 +8,24 @@
 #include <limits>
 #include <tuple>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
 #include "domain/lattice_reach.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t first_window = 160;        // seeds loaded around a group at once
-constexpr std::size_t max_window = 768;          // beyond this the far search is cheaper
-constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
-constexpr std::size_t tests_of_owner = 64;       // of boxes; a seed that owns a place nearly is good enough
-constexpr std::size_t tests_of_unowned = 1024;   // while none is found
-constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
-constexpr double first_band = 0.8;               // of the squared reach expected
-constexpr double smallest_band = 0.01;           // of the squared distance that the window covers
-constexpr double band_growth = 1.6;              // of the squared distance from band to band
-constexpr std::size_t max_idle = 24;             // seeds in a row that do not cut a cell that reaches far beyond them
-constexpr double far_beyond = 16;                // times the squared distance
+constexpr std::size_t first_window = 160;       // seeds loaded around a group at once
+constexpr std::size_t max_window = 768;         // beyond this the far search is cheaper
+constexpr double far_vertex = 0x1p20;           // times the squared distance of a box
+constexpr std::size_t tests_of_owner = 64;      // of boxes; a seed that owns a place nearly is good enough
+constexpr std::size_t tests_of_unowned = 1024;  // while none is found
+constexpr int owners_of_hidden = 24;            // that clip a cell before it counts as not empty
+constexpr double first_band = 0.8;              // of the squared reach expected
+constexpr double smallest_band = 0.01;          // of the squared distance that the window covers
+constexpr double band_growth = 1.6;             // of the squared distance from band to band
+constexpr std::size_t max_idle = 24;            // seeds in a row that do not cut a cell that reaches far beyond them
+constexpr double far_beyond = 16;               // times the squared distance
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
@@ -39,18 +39,9 @@ bool farther_images(const FarEntry& a, const FarEntry& b) {
     return a.distance_squared > b.distance_squared;
 }
 
-double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
-    return std::max({0.0, a_lower - b_upper, b_lower - a_upper});
-}
-
 // Returns a lower bound of the squared distance between any point of a and any of b.
 double box_distance(const Box& a, const Box& b) {
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double d = gap(a.lower[k], a.upper[k], b.lower[k], b.upper[k]);
-        sum += d * d;
-    }
-    return sum * (1 - 1e-14);
+    return distance_squared(a, b) * (1 - 1e-14);
 }
 
 // Visits the children of a node, or the root for a level above the top.
@@ -86,6 +77,18 @@ double least_power(const Hierarchy& hierarchy, const Lift& lift, int level, std:
     return power;
 }
 
+// Returns the first of the heaviest seeds in a power diagram.
+std::int32_t heaviest_of(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
+    const double weight = hierarchy.largest_weight(hierarchy.top_level(), 0);
+    std::size_t node = 0;
+    for (int level = hierarchy.top_level(); level-- > 0;)
+        for (node *= Hierarchy::fan; hierarchy.largest_weight(level, node) < weight; ++node) {
+        }
+    std::size_t seed = node * group_size;
+    while (seeds.weights[seed] < weight) ++seed;
+    return static_cast<std::int32_t>(seed);
+}
+
 }  // namespace
 
 CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
@@ -102,8 +105,7 @@ void CellBuilder::begin_job(const Domain& domain) {
     more_weight_ = 0;
     heaviest_ = -1;
     own_images_.clear();
-    if (domain.is_periodic() && !seeds_.weights.empty())
-        heaviest_ = static_cast<std::int32_t>(std::ranges::max_element(seeds_.weights) - seeds_.weights.begin());
+    if (domain.is_periodic() && !seeds_.weights.empty()) heaviest_ = heaviest_of(seeds_, hierarchy_);
     group_ = ~std::size_t{0};
     reach_ = 0;
 }
@@ -317,7 +319,18 @@ bool CellBuilder::node_may_cut(const QueueEntry& entry) {
     const double more = seeds_.weights.empty()
                             ? 0
                             : std::min(more_weight_, hierarchy_.largest_weight(entry.level, entry.node) - weight_);
-    return cell_.in_reach(seen, more);
+    return may_cut(seen, more);
+}
+
+// Rounding of a far vertex hides whether a near box lies in its ball.
+bool CellBuilder::may_cut(const Box& seen, double more) {
+    if (!cell_.in_reach(seen, more)) return false;
+    double farthest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double x = std::max(std::abs(seen.lower[k]), std::abs(seen.upper[k]));
+        farthest += x * x;
+    }
+    return cell_.radius_squared() < far_vertex * farthest || cell_.may_cut(seen, more);
 }
 
 void CellBuilder::open_window(const Box& home) {
@@ -550,7 +563,10 @@ void CellBuilder::clip_far(double from) {
                                    at_.data(), distance);
         for (std::size_t i = begin; i < end; ++i) {
             if (distance[i - begin] < from || static_cast<std::int32_t>(i) == own_) continue;
-            clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+            const exact::Point x{seeds_.x[i], seeds_.y[i], seeds_.z[i]};
+            const double excess = seeds_.weights.empty() ? 0 : seeds_.weights[i] - weight_;
+            if (!seeds_.lift.exists() && !may_cut(seen_from(at_, {x, x}, place_rounding_), excess)) continue;
+            clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2]);
             ++tests_;
         }
     }
@@ -568,6 +584,9 @@ void CellBuilder::push_far(const ImageNode& node) {
                                  seeds_.images->rounding_of_seeds());
     const double distance_squared = box_distance(images, {});
     if (distance_squared >= reach_squared()) return;
+    Box places = images;
+    for (std::size_t k = 0; k < 3; ++k) places.lower[k] += at_[k], places.upper[k] += at_[k];
+    if (seeds_.images->are_present(places)) return;  // clip_window() or clip_far() has tried them
     far_images_.push_back({distance_squared, node, images});
     std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
 }
@@ -606,8 +625,7 @@ void CellBuilder::clip_far_images() {
         if (++tests_ > max_tests_) return;
         poll_stop();
         const double more = more_weight_of(entry.at);
-        if (!cell_.in_reach(entry.images, more)) continue;
-        if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more)) continue;
+        if (!may_cut(entry.images, more)) continue;
         const bool single = entry.at.shifts.is_single();
         if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.at.level == 0) {

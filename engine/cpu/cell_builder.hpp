@@ -85,6 +85,7 @@ private:
     // Returns the same for seeds that are not heavier, or that have no larger rest.
     [[nodiscard]] double equal_reach_squared();
     [[nodiscard]] bool node_may_cut(const QueueEntry& entry);
+    [[nodiscard]] bool may_cut(const Box& seen, double more);
     void open_window(const Box& home);
     void open_window_of(std::size_t seed);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.

@@ -1,5 +1,6 @@
 #include "votess/diagram.hpp"
 
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
 #include "input/option_name.hpp"
@@ -31,12 +32,9 @@ void check_diagram(const Settled& run) {
         throw Error(ErrorCode::unsupported,
                     option("device") + " = " + run.device + ": a Diagram is asked on the CPU, give cpu or auto");
     if (run.min_face != 0 || run.min_area != 0)
-        throw Error(ErrorCode::invalid_argument,
-                    option("min_face") + " and " + option("min_area") +
-                        " drop faces of a result: a Diagram has whole cells, leave them out");
-    if (run.subset)
-        throw Error(ErrorCode::invalid_argument,
-                    "a Diagram needs all seeds: leave out " + option("only") + ", and probe some places");
+        refuse(option("min_face") + " and " + option("min_area") +
+               " drop faces of a result: a Diagram has whole cells, leave them out");
+    if (run.subset) refuse("a Diagram needs all seeds: leave out " + option("only") + ", and probe some places");
 }
 
 Tessellation probe_in(DiagramState& state, std::span<const double> queries, const ProbeOptions& options) {

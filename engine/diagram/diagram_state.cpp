@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "index/hilbert.hpp"
@@ -38,18 +39,9 @@ std::uint32_t key_of(const Box& box, const exact::Point& x) {
 
 namespace {
 
-constexpr Box no_ends{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}},
-    no_ends_of_plane{{-infinity, -infinity, 0}, {infinity, infinity, 0}};
+constexpr Box no_ends_of_plane{{-infinity, -infinity, 0}, {infinity, infinity, 0}};
 
 constexpr double rounding = 0x1p-40;  // of places along the edges of a cell, over their coordinates
-
-Box hull_of(Box a, const Box& b) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        a.lower[k] = std::min(a.lower[k], b.lower[k]);
-        a.upper[k] = std::max(a.upper[k], b.upper[k]);
-    }
-    return a;
-}
 
 // Makes the state of a run in space, in a region that has ends.
 std::shared_ptr<DiagramState> make_state(std::vector<double> points, Settled run) {
@@ -67,8 +59,7 @@ std::shared_ptr<DiagramState> make_state(std::vector<double> points, Settled run
 
 // Widens bounds along edges, so that they hold a place, or a box along the axes.
 void include(const Edges& edges, const Vector3& x, Box& bounds) {
-    const Vector3 place = edges.along(x);
-    bounds = hull_of(bounds, {place, place});
+    votess::include(bounds, edges.along(x));
 }
 void include(const Edges& edges, const Box& box, Box& bounds) {
     for (unsigned corner = 0; corner < 8; ++corner) {
@@ -82,21 +73,15 @@ void include(const Edges& edges, const Box& box, Box& bounds) {
 }  // namespace
 
 std::shared_ptr<DiagramState> make_state(Settled run) {
-    std::optional<solid::ClosedMesh> mesh;
     Region& region = run.region;
-    if (region.mesh) {
-        mesh.emplace(*region.mesh);
-        solid::check_inside(*mesh, region);
-    }
-    region.mesh.reset();
-    if (!region.box && !region.cell && region.walls.empty()) region.box = region.planar ? no_ends_of_plane : no_ends;
+    if (!region.box && !region.cell && region.walls.empty()) region.box = region.planar ? no_ends_of_plane : all_space;
     std::vector<double> places;
+    std::optional<Sheet> sheet;
     double thickness = 0;
     if (region.planar) {
-        Sheet sheet(std::move(run));
-        run = sheet.take_in_space();
-        places = sheet.take_points();
-        thickness = sheet.thickness();
+        run = sheet.emplace(std::move(run)).take_in_space();
+        places = sheet->take_points();
+        thickness = sheet->thickness();
     } else {
         const auto& points = run.points.f64;
         places.reserve(points.size());
@@ -105,7 +90,13 @@ std::shared_ptr<DiagramState> make_state(Settled run) {
                           points.begin() + static_cast<std::ptrdiff_t>(end));
         });
     }
+    std::optional<solid::ClosedMesh> mesh;
     const EndlessSides sides(region);
+    if (region.mesh) {
+        mesh.emplace(*region.mesh);
+        if (!sides.any()) solid::check_inside(*mesh, region);
+    }
+    region.mesh.reset();
     std::optional<Edges> endless;
     std::optional<FlatEnds> flat_ends;
     Box ends;
@@ -148,7 +139,7 @@ Box ends_with(const DiagramState& state, std::span<const double> places) {
     Box ends = state.ends;
     double largest = 0;
     for (std::size_t q = 0; 3 * q < places.size(); ++q) {
-        const Vector3 x{places[3 * q], places[3 * q + 1], places[3 * q + 2]};
+        const Vector3 x = point_of(places, q);
         include(edges, x, ends);
         for (const double c : x) largest = std::max(largest, std::abs(c));
     }
@@ -177,14 +168,14 @@ Box ends_beyond(const DiagramState& state, std::span<const double> places, const
         std::vector<double> all = state.points;
         Weights of_all = weights_of(state);
         for (std::size_t q = 0; 3 * q < places.size(); ++q) {
-            const Vector3 x{places[3 * q], places[3 * q + 1], places[3 * q + 2]}, at = state.endless->along(x);
+            const Vector3 x = point_of(places, q), at = state.endless->along(x);
             if (holds(state.ends, {at, at}) != is_near) continue;
             all.insert(all.end(), x.begin(), x.end());
             if (!of_all.empty()) of_all.given.push_back(weights.empty() ? 0 : weights[q]);
         }
         if (all.size() == state.points.size()) continue;
         Region far = state.endless->region();
-        ends = hull_of(ends, end_far(far, {all, {}}, of_all));
+        votess::include(ends, end_far(far, {all, {}}, of_all));
     }
     return ends;
 }
@@ -205,6 +196,14 @@ std::shared_ptr<DiagramState> between(const DiagramState& state, const std::vect
     return made;
 }
 
+// Returns `made`, which is made again unless it holds these ends.
+std::shared_ptr<DiagramState> holding(const DiagramState& state, std::shared_ptr<DiagramState>& made,
+                                      const std::vector<std::int32_t>* seeds, const Box& ends,
+                                      const FlatEnds* flat_ends = nullptr) {
+    if (!made || !holds(made->ends, ends)) made = between(state, seeds, ends, state.endless_sides, flat_ends);
+    return made;
+}
+
 std::vector<std::int32_t> open_seeds(const DiagramState& state) {
     Settled run = run_in(state, state.endless->region());
     run.want = {.neighbors = true, .volumes = false};
@@ -220,34 +219,28 @@ std::vector<std::int32_t> open_seeds(const DiagramState& state) {
 
 std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& ends) {
     const std::scoped_lock lock(state.making);
-    if (!state.far || !holds(state.far->ends, ends)) state.far = between(state, nullptr, ends, state.endless_sides);
-    return state.far;
+    return holding(state, state.far, nullptr, ends);
 }
 
 std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& ends) {
     const std::scoped_lock lock(state.making);
-    if (!state.flat || !holds(state.flat->ends, ends))
-        state.flat = between(state, nullptr, ends, state.endless_sides, &*state.flat_ends);
-    return state.flat;
+    return holding(state, state.flat, nullptr, ends, &*state.flat_ends);
 }
 
 std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& ends) {
     const std::scoped_lock lock(state.making);
     if (!state.open) state.open = open_seeds(state);
-    if (!state.hull || !holds(state.hull->ends, ends))
-        state.hull = between(state, &*state.open, ends, state.endless_sides);
-    return state.hull;
+    return holding(state, state.hull, &*state.open, ends);
 }
 
 std::shared_ptr<DiagramState> state_around(DiagramState& state) {
     const std::scoped_lock lock(state.making);
     if (state.around) return state.around;
     const Edges& edges = *state.endless;
-    const Box given = edges.ends_or(no_ends);
+    const Box given = edges.ends_or(all_space);
     const std::size_t count = state.points.size() / 3;
-    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t i = 0; i < count; ++i)
-        include(edges, Vector3{state.points[3 * i], state.points[3 * i + 1], state.points[3 * i + 2]}, bounds);
+    Box bounds = empty_box;
+    for (std::size_t i = 0; i < count; ++i) include(edges, point_of(state.points, i), bounds);
     for (std::size_t k = 0; k < 3; ++k)
         for (double* const x : {&bounds.lower[k], &bounds.upper[k]})
             *x = std::clamp(*x, given.lower[k], given.upper[k]);
@@ -280,9 +273,8 @@ std::vector<double> in_space(const DiagramState& state, std::span<const double> 
     const std::size_t components = state.thickness > 0 ? 2 : 3;
     if (vectors.size() % components != 0) {
         const std::string n = std::to_string(components);
-        throw Error(ErrorCode::invalid_argument, std::string(name) + " hold " + std::to_string(vectors.size()) +
-                                                     " coordinates, not a multiple of " + n +
-                                                     ": the shape must be (Q," + n + ")");
+        refuse(std::string(name) + " hold " + std::to_string(vectors.size()) + " coordinates, not a multiple of " + n +
+               ": the shape must be (Q," + n + ")");
     }
     return components == 2 ? in_sheet(vectors) : std::vector<double>(vectors.begin(), vectors.end());
 }
@@ -296,8 +288,7 @@ Queries check_queries(const DiagramState& state, std::vector<double> x, std::spa
     Queries queries{std::move(x),
                     scaled_weights(votess::weights_of(weights, radii), count, "queries", state.job.scale)};
     if (!queries.weights.empty() && !state.job.domain->has_weights())
-        throw Error(ErrorCode::invalid_argument,
-                    "queries have weights, but the seeds have none: give these weights too, which may be 0");
+        refuse("queries have weights, but the seeds have none: give these weights too, which may be 0");
     return queries;
 }
 
@@ -308,7 +299,7 @@ exact::Point scaled(const Job& job, const Queries& queries, std::size_t number) 
         x[k] = given * job.scale;
         if (std::isfinite(x[k]) && x[k] / job.scale == given) continue;
         const std::string what = "query " + std::to_string(number) + ": coordinate " + votess::number(given);
-        if (!std::isfinite(given)) throw Error(ErrorCode::invalid_argument, what + " is not finite");
+        if (!std::isfinite(given)) refuse(what + " is not finite");
         throw Error(ErrorCode::unsupported,
                     what + " is too large or too small beside the box to be represented at one scale");
     }

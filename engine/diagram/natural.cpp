@@ -3,6 +3,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
 #include "input/settle.hpp"
@@ -58,8 +59,7 @@ cpu::FieldEnds ends_of(const DiagramState& state, const NaturalOptions& options)
 template <class MakeSink>
 void run(DiagramState& state, const Queries& queries, const NaturalOptions& options, MakeSink make_sink) {
     if (options.gradients && options.method == NaturalMethod::laplace)
-        throw Error(ErrorCode::invalid_argument,
-                    "gradients are known with Sibson's coordinates: Laplace's have none across some spheres");
+        refuse("gradients are known with Sibson's coordinates: Laplace's have none across some spheres");
     NaturalOptions without_progress = options;
     without_progress.progress = nullptr;
     const CallGuard turn(state);
@@ -209,9 +209,8 @@ Interpolated unknown_rows(const DiagramState& state, std::span<const double> val
                           std::size_t queries, bool gradients) {
     const std::size_t seeds = state.points.size() / 3;
     if (components == 0 || values.size() != seeds * components)
-        throw Error(ErrorCode::invalid_argument,
-                    "values hold " + std::to_string(values.size()) + " numbers for " + std::to_string(seeds) +
-                        " seeds with " + std::to_string(components) + " components: the shape must be (N,m)");
+        refuse("values hold " + std::to_string(values.size()) + " numbers for " + std::to_string(seeds) +
+               " seeds with " + std::to_string(components) + " components: the shape must be (N,m)");
     if (components > std::numeric_limits<std::size_t>::max() / sizeof(double) / 3 / std::max<std::size_t>(queries, 1))
         throw Error(ErrorCode::out_of_memory, std::to_string(components) + " components of " + std::to_string(queries) +
                                                   " queries do not fit into memory");

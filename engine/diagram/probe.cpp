@@ -101,6 +101,10 @@ Result endless_cells(DiagramState& state, const std::vector<double>& x, const Pr
     return near;
 }
 
+Result whole_cells(DiagramState& state, std::vector<double> x, const ProbeOptions& options) {
+    return state.endless ? endless_cells(state, x, options) : cells_of_probes(state, std::move(x), options);
+}
+
 // The parts of the cells in the mesh.
 Result cells_in_mesh(DiagramState& state, const std::vector<double>& x, const ProbeOptions& options) {
     // Read once, see input/snapshot.hpp.
@@ -111,7 +115,7 @@ Result cells_in_mesh(DiagramState& state, const std::vector<double>& x, const Pr
     asked.list_walls = false;
     asked.weights = weights;
     asked.radii = radii;
-    Result whole = state.endless ? endless_cells(state, x, asked) : cells_of_probes(state, x, asked);
+    Result whole = whole_cells(state, x, asked);
     Job job = state.job;
     job.probes_of = static_cast<std::int32_t>(state.points.size() / 3);
     const Queries queries = check_queries(state, x, weights, radii);
@@ -121,8 +125,7 @@ Result cells_in_mesh(DiagramState& state, const std::vector<double>& x, const Pr
 }  // namespace
 
 Result probe(DiagramState& state, std::vector<double> x, const ProbeOptions& options) {
-    if (state.inside) return cells_in_mesh(state, x, options);
-    return state.endless ? endless_cells(state, x, options) : cells_of_probes(state, std::move(x), options);
+    return state.inside ? cells_in_mesh(state, x, options) : whole_cells(state, std::move(x), options);
 }
 
 }  // namespace votess::detail

@@ -19,7 +19,7 @@ constexpr double share_of_building = 0.5;  // of a call that builds them
 constexpr std::size_t max_along_axis = std::size_t{1} << 20, max_columns = std::size_t{1} << 20;
 constexpr std::size_t max_numbers = std::size_t{1} << 44;  // of a grid: as many doubles as addresses reach
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void refuse_grid(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, "to_grid(): " + message);
 }
 
@@ -29,8 +29,8 @@ std::size_t count_grid_cells(const GridOptions& options) {
     for (int k = 0; k < 3; ++k) {
         const std::size_t along = options.shape[static_cast<std::size_t>(k)];
         if (along == 0 || along > max_along_axis)
-            refuse("shape[" + std::to_string(k) + "] = " + std::to_string(along) + " is not from 1 to " +
-                   std::to_string(max_along_axis));
+            refuse_grid("shape[" + std::to_string(k) + "] = " + std::to_string(along) + " is not from 1 to " +
+                        std::to_string(max_along_axis));
         if (k != options.project) cells *= along;
     }
     return cells;
@@ -41,25 +41,26 @@ void check(const DiagramState& state, std::span<const double> values, const Grid
     const std::size_t seeds = state.points.size() / 3;
     const bool planar = state.thickness > 0;
     if (options.method < GridMethod::mean || options.method > GridMethod::sibson)
-        refuse("method = " + std::to_string(static_cast<int>(options.method)) +
-               " is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
+        refuse_grid("method = " + std::to_string(static_cast<int>(options.method)) +
+                    " is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
     if (options.project && (*options.project < 0 || *options.project > (planar ? 1 : 2)))
-        refuse("project = " + std::to_string(*options.project) + " is not an axis: give " +
-               (planar ? "0 or 1" : "0, 1 or 2"));
+        refuse_grid("project = " + std::to_string(*options.project) + " is not an axis: give " +
+                    (planar ? "0 or 1" : "0, 1 or 2"));
     if (planar && options.shape[2] != 1)
-        refuse("shape[2] = " + std::to_string(options.shape[2]) + ": give 1 in two dimensions");
+        refuse_grid("shape[2] = " + std::to_string(options.shape[2]) + ": give 1 in two dimensions");
     if (options.columns == 0 || options.columns > max_columns)
-        refuse("columns = " + std::to_string(options.columns) + " is not from 1 to " + std::to_string(max_columns));
+        refuse_grid("columns = " + std::to_string(options.columns) + " is not from 1 to " +
+                    std::to_string(max_columns));
     const std::size_t cells = count_grid_cells(options);
     if (cells > max_numbers / options.columns)
         throw Error(ErrorCode::out_of_memory,
                     "to_grid(): " + std::to_string(cells) + " grid cells do not fit into memory: give a smaller shape");
     if (grid.size() / options.columns != cells || grid.size() % options.columns != 0)
-        refuse("the grid holds " + std::to_string(grid.size()) + " numbers, its shape needs " + std::to_string(cells) +
-               " for each of " + std::to_string(options.columns) + " columns");
+        refuse_grid("the grid holds " + std::to_string(grid.size()) + " numbers, its shape needs " +
+                    std::to_string(cells) + " for each of " + std::to_string(options.columns) + " columns");
     if (values.size() != seeds * options.columns)
-        refuse("there are " + std::to_string(values.size()) + " values, " + std::to_string(seeds) + " seeds need " +
-               std::to_string(options.columns) + " each");
+        refuse_grid("there are " + std::to_string(values.size()) + " values, " + std::to_string(seeds) +
+                    " seeds need " + std::to_string(options.columns) + " each");
 }
 
 // The cells of the seeds, with faces.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
@@ -14,18 +15,15 @@ namespace votess {
 std::vector<double> RayCells::integrate(std::span<const double> values, std::span<const double> gradients) const {
     const std::size_t components = planar ? 2 : 3;
     if (!gradients.empty() && gradients.size() != components * values.size())
-        throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
-                                                     " values, but " + std::to_string(gradients.size()) +
-                                                     " components of gradients: give " + std::to_string(components) +
-                                                     " for each value, or none");
+        refuse("integrate: there are " + std::to_string(values.size()) + " values, but " +
+               std::to_string(gradients.size()) + " components of gradients: give " + std::to_string(components) +
+               " for each value, or none");
     if (!gradients.empty() && middles.size() != components * seeds.size())
-        throw Error(ErrorCode::invalid_argument,
-                    "integrate: gradients need the middles of pieces: trace with TraceOptions::middles");
+        refuse("integrate: gradients need the middles of pieces: trace with TraceOptions::middles");
     for (const std::int32_t seed : seeds)
         if (static_cast<std::size_t>(seed) >= values.size())
-            throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
-                                                         " values, but a ray passes the cell of seed " +
-                                                         std::to_string(seed) + ": give one for each seed");
+            refuse("integrate: there are " + std::to_string(values.size()) +
+                   " values, but a ray passes the cell of seed " + std::to_string(seed) + ": give one for each seed");
     std::vector<double> integrals(offsets.empty() ? 0 : offsets.size() - 1);
     for (std::size_t r = 0; r < integrals.size(); ++r)
         for (auto k = static_cast<std::size_t>(offsets[r]); k < static_cast<std::size_t>(offsets[r + 1]); ++k) {
@@ -62,21 +60,16 @@ Rays check_rays(const DiagramState& state, std::vector<double> origins, std::vec
     Rays rays{check_queries(state, std::move(origins)), std::move(directions), {lengths.begin(), lengths.end()}};
     const std::size_t count = rays.origins.count();
     if (rays.directions.size() != 3 * count || rays.lengths.size() != count)
-        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(count) + " origins, but " +
-                                                     std::to_string(rays.directions.size() / 3) + " directions and " +
-                                                     std::to_string(lengths.size()) +
-                                                     " lengths: give one of each for each ray");
+        refuse("there are " + std::to_string(count) + " origins, but " + std::to_string(rays.directions.size() / 3) +
+               " directions and " + std::to_string(lengths.size()) + " lengths: give one of each for each ray");
     for (std::size_t r = 0; r < count; ++r) {
         const double* d = &rays.directions[3 * r];
         for (std::size_t k = 0; k < 3; ++k)
             if (!std::isfinite(d[k]))
-                throw Error(ErrorCode::invalid_argument,
-                            name_of(r) + ": component " + number(d[k]) + " of its direction is not finite");
-        if (d[0] == 0 && d[1] == 0 && d[2] == 0)
-            throw Error(ErrorCode::invalid_argument, name_of(r) + ": its direction is 0: give another vector");
+                refuse(name_of(r) + ": component " + number(d[k]) + " of its direction is not finite");
+        if (d[0] == 0 && d[1] == 0 && d[2] == 0) refuse(name_of(r) + ": its direction is 0: give another vector");
         if (!(rays.lengths[r] >= 0))
-            throw Error(ErrorCode::invalid_argument,
-                        name_of(r) + ": its length " + number(rays.lengths[r]) + " is not 0 or more");
+            refuse(name_of(r) + ": its length " + number(rays.lengths[r]) + " is not 0 or more");
     }
     return rays;
 }
@@ -242,9 +235,9 @@ RayCells trace(DiagramState& state, std::vector<double> origins, std::vector<dou
                     end = flight.inside.back().end;
                 }
                 if (!flight.tracer.start(ray, end, start))
-                    throw Error(ErrorCode::invalid_argument, name_of(r) +
-                                                                 ": its length is infinite, and no wall ends it: "
-                                                                 "give a finite length");
+                    refuse(name_of(r) +
+                           ": its length is infinite, and no wall ends it: "
+                           "give a finite length");
                 if (!domain.is_periodic()) continue;
                 // Images of a seed bound its cell: none is wider than the domain.
                 check_cells(rays, r,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors.hpp"
 #include "core/vector3.hpp"
 #include "domain/lattice_reach.hpp"
 #include "exact/integer/rows.hpp"
@@ -16,6 +17,13 @@ using exact::WideInt;
 
 double length(const Vector& a) {
     return std::sqrt(dot(a, a));
+}
+
+// Returns the size of the larger term of each coordinate of x - origin.
+Vector sizes_of(const Domain& domain, const Vector& x) {
+    Vector size;
+    for (std::size_t k = 0; k < 3; ++k) size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
+    return size;
 }
 
 // Returns the signed volume of three vectors. The condition may cost nine digits, so double would not do.
@@ -344,13 +352,13 @@ Domain triclinic_domain(const TriclinicBox& cell) {
     domain.edges.vector = domain.vector;
     invert(domain.edges);
     if (!(domain.edges.condition < worst_condition))
-        throw Error(ErrorCode::invalid_argument,
-                    "cell: its three vectors lie in one plane, or so nearly that its volume is lost: give three "
-                    "independent vectors");
+        refuse(
+            "cell: its three vectors lie in one plane, or so nearly that its volume is lost: give three "
+            "independent vectors");
     if (!(domain.edges.volume > min_volume))
-        throw Error(ErrorCode::invalid_argument,
-                    "cell: its vectors are too short compared with its largest number: move its origin towards 0, or "
-                    "give vectors of similar length");
+        refuse(
+            "cell: its vectors are too short compared with its largest number: move its origin towards 0, or "
+            "give vectors of similar length");
     domain.handedness = dot(cell.a, cross(cell.b, cell.c)) < 0 ? -1 : 1;
     if (domain.has_cell_walls()) {
         exact::BitRange range;
@@ -359,9 +367,9 @@ Domain triclinic_domain(const TriclinicBox& cell) {
         // 2^-1000.
         constexpr int lowest_bit = -500;
         if (range.low < lowest_bit)
-            throw Error(ErrorCode::invalid_argument,
-                        "cell: its vectors hold numbers that are too small compared with the largest for exact walls: "
-                        "set them to 0");
+            refuse(
+                "cell: its vectors hold numbers that are too small compared with the largest for exact walls: "
+                "set them to 0");
         exact::set_across(domain.lattice);
     }
     for (int k = 0; k < 3; ++k) {
@@ -380,12 +388,7 @@ exact::Plane Domain::box_wall(int wall) const {
 }
 
 bool inside_walls(const Domain& domain, const exact::Point& x) {
-    Vector d, size;
-    for (int k = 0; k < 3; ++k) {
-        d[k] = x[k] - domain.origin[k];
-        size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
-    }
-    const auto f = domain.edges.fraction(d);
+    const Vector f = domain.fraction(x), size = sizes_of(domain, x);
     for (int j = 0; j < 3; ++j) {
         if (domain.periodic[j]) continue;
         const double error = domain.edges.fraction_error(j, size_for(domain.edges, j, size));
@@ -398,12 +401,7 @@ bool inside_walls(const Domain& domain, const exact::Point& x) {
 
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
     exact::Shift shift{};
-    Vector d, size;
-    for (int k = 0; k < 3; ++k) {
-        d[k] = x[k] - domain.origin[k];
-        size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
-    }
-    const auto f = domain.edges.fraction(d);
+    const Vector f = domain.fraction(x), size = sizes_of(domain, x);
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
         const double whole = std::floor(f[j]);

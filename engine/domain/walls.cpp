@@ -4,6 +4,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/errors.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
 #include "domain/domain.hpp"
@@ -13,10 +14,6 @@ namespace votess {
 namespace {
 
 using Vector = Vector3;
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 void check_finite(const char* what, const Vector& x) {
     for (const double c : x)

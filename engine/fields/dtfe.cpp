@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "exact/wide_float.hpp"
@@ -361,10 +362,9 @@ Masses scaled_masses(const Task& task, std::span<const std::int32_t> duplicate_o
 
 [[noreturn]] void refuse_density(const Task& task, std::size_t element, double mass, const Size& size) {
     const double digits = std::log10(size.mantissa) + size.exponent * std::log10(2.0);
-    throw Error(ErrorCode::invalid_argument,
-                "to_grid(): element " + std::to_string(element / task.columns) + " of the grid has the mass " +
-                    number(mass) + " in 1e" + std::to_string(std::lround(digits)) +
-                    ", a density that float64 cannot hold: give coordinates or masses in other units");
+    refuse("to_grid(): element " + std::to_string(element / task.columns) + " of the grid has the mass " +
+           number(mass) + " in 1e" + std::to_string(std::lround(digits)) +
+           ", a density that float64 cannot hold: give coordinates or masses in other units");
 }
 
 // Turns masses into densities. Masses below the rounding error may underflow. thickness: of a sheet, a power of two.

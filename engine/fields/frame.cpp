@@ -14,21 +14,35 @@ constexpr double farthest = 0x1p31;
 
 }  // namespace
 
-Frame::Frame(const Job& job, const std::array<std::size_t, 3>& shape) : scale_(job.scale) {
-    const auto scaled = [&](const Vector& x) { return Vector{x[0] * scale_, x[1] * scale_, x[2] * scale_}; };
-    if (job.region.cell) {
-        const auto& [origin, a, b, c, periodic] = *job.region.cell;
-        origin_ = scaled(origin);
-        edges_ = {scaled(a), scaled(b), scaled(c)};
-    } else {
-        origin_ = scaled(job.box.lower);
-        const Vector upper = scaled(job.box.upper);
-        for (std::size_t k = 0; k < 3; ++k) edges_[k][k] = upper[k] - origin_[k];
-    }
+Frame::Domain Frame::domain_of(const Box& box, const std::optional<TriclinicBox>& cell, double scale) {
+    const auto scaled = [&](const Vector& x) { return Vector{x[0] * scale, x[1] * scale, x[2] * scale}; };
+    if (cell) return {scaled(cell->origin), {scaled(cell->a), scaled(cell->b), scaled(cell->c)}, scale};
+    Domain domain{scaled(box.lower), {}, scale};
+    const Vector upper = scaled(box.upper);
+    for (std::size_t k = 0; k < 3; ++k) domain.edges[k][k] = upper[k] - domain.origin[k];
+    return domain;
+}
+
+Frame::Domain Frame::domain_of(const Tessellation& t) {
+    double largest = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+        largest = std::max({largest, std::abs(t.box().lower[k]), std::abs(t.box().upper[k])});
+    Domain domain = domain_of(t.box(), t.cell(), std::ldexp(1.0, -std::ilogb(largest)));
+    if (t.planar()) domain.edges[2] = {0, 0, domain.scale};
+    return domain;
+}
+
+Frame::Frame(const Job& job, const std::array<std::size_t, 3>& shape)
+    : Frame(domain_of(job.box, job.region.cell, job.scale), job.domain->periodic, shape) {}
+Frame::Frame(const Tessellation& t, const std::array<std::size_t, 3>& shape)
+    : Frame(domain_of(t), t.periodic(), shape) {}
+
+Frame::Frame(const Domain& domain, const std::array<bool, 3>& periodic, const std::array<std::size_t, 3>& shape)
+    : scale_(domain.scale), origin_(domain.origin), edges_(domain.edges) {
     std::array<Vector, 3> unit = edges_;  // of order one
     for (std::size_t k = 0; k < 3; ++k) {
         axes_[k].count = static_cast<std::int64_t>(shape[k]);
-        axes_[k].periodic = job.domain->periodic[k];
+        axes_[k].periodic = periodic[k];
         axes_[k].tile = ceil_div(axes_[k].count, tiles_along_axis);
         exponents_[k] = std::ilogb(std::max({std::abs(unit[k][0]), std::abs(unit[k][1]), std::abs(unit[k][2])}));
         for (double& x : unit[k]) x = std::ldexp(x, -exponents_[k]);
@@ -74,10 +88,19 @@ Vector Frame::in_grid(const Vector& difference) const {
         x[k] = dot(rows_[k], difference) * powers_[k][0] * powers_[k][1];
         if (!(std::abs(x[k]) < farthest))
             throw Error(ErrorCode::unsupported,
-                        std::string("to_grid(): an edge of the domain is so short beside the others, or beside the "
-                                    "distance of a seed outside, that places along it have no digits, edge ") +
+                        std::string("an edge of the domain is so short beside the others, or beside the distance of a "
+                                    "seed outside, that a grid along it has no digits, edge ") +
                             "abc"[k]);
     }
+    return x;
+}
+
+Vector Frame::in_space(const Vector& difference) const {
+    Vector x{};
+    for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t i = 0; i < 3; ++i)
+            x[i] += difference[k] * (edges_[k][i] / static_cast<double>(axes_[k].count));
+    for (double& c : x) c /= scale_;
     return x;
 }
 

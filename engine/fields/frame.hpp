@@ -10,6 +10,7 @@
 #include "core/arithmetic.hpp"
 #include "core/convex_piece.hpp"
 #include "input/job.hpp"
+#include "votess/votess.hpp"
 
 namespace votess::fields {
 
@@ -57,6 +58,8 @@ struct Size {
 class Frame {
 public:
     Frame(const Job& job, const std::array<std::size_t, 3>& shape);
+    // Over the domain of a result. The plane is one unit thick.
+    Frame(const Tessellation& tessellation, const std::array<std::size_t, 3>& shape);
 
     [[nodiscard]] const Axis& axis(std::size_t k) const { return axes_[k]; }
     [[nodiscard]] std::size_t cells() const;
@@ -70,6 +73,8 @@ public:
     // A difference that is times the scale of the job, and where the domain begins at that scale.
     [[nodiscard]] Vector in_grid(const Vector& difference) const;
     [[nodiscard]] const Vector& origin() const { return origin_; }
+    // The difference of two places of the input, from that in coordinates of the grid.
+    [[nodiscard]] Vector in_space(const Vector& difference) const;
     // The center of a grid cell, in space.
     [[nodiscard]] Vector center(const Cell& cell) const;
 
@@ -80,6 +85,16 @@ public:
     [[nodiscard]] Range cover(std::size_t k, double at, double least, double largest) const;
 
 private:
+    // origin, edges: of the domain, times a power of two, the scale.
+    struct Domain {
+        Vector origin{};
+        std::array<Vector, 3> edges{};
+        double scale = 1;
+    };
+    [[nodiscard]] static Domain domain_of(const Box& box, const std::optional<TriclinicBox>& cell, double scale);
+    [[nodiscard]] static Domain domain_of(const Tessellation& tessellation);
+    Frame(const Domain& domain, const std::array<bool, 3>& periodic, const std::array<std::size_t, 3>& shape);
+
     std::array<Axis, 3> axes_;
     double scale_ = 1;  // of the job, as all lengths below
     Vector origin_{};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "fields/cell_polygons.hpp"
 #include "fields/methods.hpp"
 #include "fields/overlay.hpp"
 
@@ -41,25 +42,17 @@ public:
         : t_(t),
           values_(task.values),
           columns_(task.columns),
-          frame_(task.frame),
           size_(task.frame.cell_size()),
-          grid_(task.grid) {}
+          grid_(task.grid),
+          polygons_(t, task.frame) {}
 
     bool load(std::size_t seed, Body& body) override {
-        if (t_.status()[seed] != CellStatus::certified) return false;
+        if (!polygons_.load(seed)) return false;
         seed_ = seed;
-        const auto begin = static_cast<std::size_t>(t_.indptr()[seed]),
-                   end = static_cast<std::size_t>(t_.indptr()[seed + 1]);
-        const double* first = vertex(static_cast<std::size_t>(t_.face_offsets()[begin]));
-        body.place.at = frame_.position(first);
+        body.place.at = polygons_.at();
         body.piece.clear();
-        for (std::size_t face = begin; face < end; ++face) {
-            polygon_.clear();
-            for (std::int64_t k = t_.face_offsets()[face]; k < t_.face_offsets()[face + 1]; ++k)
-                polygon_.push_back(frame_.difference(first, vertex(static_cast<std::size_t>(k))));
-            if (frame_.mirrored()) std::ranges::reverse(polygon_);
-            body.piece.add_polygon(polygon_);
-        }
+        for (std::size_t face = polygons_.begin(); face < polygons_.end(); ++face)
+            body.piece.add_polygon(polygons_.polygon(face));
         volume_ = std::isnormal(t_.volumes()[seed]) ? std::ldexp(t_.volumes()[seed] / size_.mantissa, -size_.exponent)
                                                     : body.piece.volume();
         return true;
@@ -71,17 +64,12 @@ public:
     }
 
 private:
-    [[nodiscard]] const double* vertex(std::size_t corner) const {
-        return &t_.vertices()[3 * static_cast<std::size_t>(t_.face_vertices()[corner])];
-    }
-
     const Tessellation& t_;
     std::span<const double> values_;
     std::size_t columns_;
-    const Frame& frame_;
     Size size_;  // of a grid cell
     std::span<double> grid_;
-    std::vector<Vector> polygon_;
+    CellPolygons polygons_;
     // The cell loaded last. The volume of a tiny one has more digits than the polyhedron of its rounded vertices, which
     // only says where it lies.
     std::size_t seed_ = 0;

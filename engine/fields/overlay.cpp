@@ -107,7 +107,7 @@ private:
         if (is_vague(worker.body.piece, volume)) {
             VagueBody vague{number, 0};
             for_places(met, {1, 1, 1}, [&](const Cell& tile) {
-                slice(worker, tile, [&](std::size_t, const ConvexPiece& part) { vague.volume += part.volume(); });
+                slice(worker, tile, [&](const Cell&, const ConvexPiece& part) { vague.volume += part.volume(); });
             });
             if (!(vague.volume > volume / 2 && vague.volume < 2 * volume)) {
                 vague.volume = 0;
@@ -165,11 +165,11 @@ private:
         for (std::size_t k = 3; k-- > 0; rest /= tiles_[k])
             images[k].first += modulo(rest % tiles_[k] - images[k].first, tiles_[k]);
         for_places(images, tiles_, [&](const Cell& image) {
-            slice(worker, image, [&](std::size_t cell, const ConvexPiece& part) {
+            slice(worker, image, [&](const Cell& cell, const ConvexPiece& part) {
                 ConvexPiece::Measure share = part.measure();
                 share.volume /= volume;
                 for (double& x : share.moment) x /= volume;
-                worker.carrier->add(cell, share);
+                worker.carrier->add(frame_.index(cell), share);
             });
         });
     }

@@ -31,8 +31,8 @@ class Slicer {
 public:
     explicit Slicer(const Frame& frame) : frame_(frame) {}
 
-    // Calls take(cell, part) with the part of the piece in each grid cell of the window. cell: an index. The piece is
-    // used up. The parts of all windows of a grid sum to it.
+    // Calls take(cell, part) with the part of the piece in each grid cell of the window. The piece is used up. The
+    // parts of all windows of a grid sum to it. A piece of one polygon is cut into polygons.
     template <class Take>
     void slice(ConvexPiece& piece, const Place& place, const Window& window, const Take& take) {
         Cell cell{};
@@ -45,7 +45,7 @@ private:
                      const Take& take) {
         if (k == 3) {
             if (++parts_ % parts_per_look == 0) check_stop();
-            take(frame_.index(cell), piece);
+            take(static_cast<const Cell&>(cell), piece);
             return;
         }
         const Range covered = cover(frame_, piece, place, k);

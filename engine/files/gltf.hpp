@@ -8,6 +8,7 @@
 #include <string>
 #include <votess/votess.hpp>
 
+#include "core/errors.hpp"
 #include "files/byte_sink.hpp"
 
 namespace votess::files {
@@ -83,9 +84,8 @@ inline void begin_glb(std::string head, std::uint64_t array_bytes, const char* r
     head.resize(in_words(head.size()), ' ');
     const std::uint64_t bytes = 20 + head.size() + (array_bytes == 0 ? 0 : 8 + array_bytes);
     if (bytes > largest_glb)
-        throw Error(ErrorCode::invalid_argument, "the .glb file would take " +
-                                                     std::to_string((bytes + 999'999) / 1'000'000) +
-                                                     " MB, but .glb ends at 4 GiB: " + remedy);
+        refuse("the .glb file would take " + std::to_string((bytes + 999'999) / 1'000'000) +
+               " MB, but .glb ends at 4 GiB: " + remedy);
     out.set_total(bytes);
     out.put("glTF");
     for (const std::uint64_t number : {std::uint64_t{2}, bytes, std::uint64_t{head.size()}})

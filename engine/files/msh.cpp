@@ -4,26 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "core/box.hpp"
 #include "files/shared_mesh.hpp"
 
 namespace votess::files {
 namespace {
 
-struct Bounds {
-    Vector3 lower, upper;
-
-    Bounds() {
-        lower.fill(std::numeric_limits<double>::infinity());
-        upper.fill(-std::numeric_limits<double>::infinity());
-    }
-    void add(const Vector3& x) {
-        for (std::size_t k = 0; k < 3; ++k) lower[k] = std::min(lower[k], x[k]), upper[k] = std::max(upper[k], x[k]);
-    }
-    void put(ByteSink& out) const {
-        for (const double x : lower) put_next(out, x);
-        for (const double x : upper) put_next(out, x);
-    }
-};
+void put_box(ByteSink& out, const Box& box) {
+    for (const double x : box.lower) put_next(out, x);
+    for (const double x : box.upper) put_next(out, x);
+}
 
 // Returns the corner whose fan of triangles has the thickest thinnest triangle. Thickness is the area, divided by the
 // square of the longest side.
@@ -131,11 +121,11 @@ private:
         }
         for (std::size_t i = 0; i < mesh_.cells(); ++i) {
             begin(i);
-            Bounds bounds;
+            Box bounds = empty_box;
             for (const std::int32_t face : cells_.of(i))
                 for (const std::int32_t v : mesh_.polygon(static_cast<std::size_t>(std::abs(face)) - 1))
-                    bounds.add(mesh_.vertex(v));
-            bounds.put(out_);
+                    include(bounds, mesh_.vertex(v));
+            put_box(out_, bounds);
             out_.put(" 1");
             put_next(out_, mesh_.rows[i] + 1);
             put_next(out_, cells_.of(i).size());
@@ -148,9 +138,9 @@ private:
         out_.put_number(number + 1);
     }
     void put_bounds(const auto& corners) {
-        Bounds bounds;
-        for (const std::int32_t v : corners) bounds.add(mesh_.vertex(v));
-        bounds.put(out_);
+        Box bounds = empty_box;
+        for (const std::int32_t v : corners) include(bounds, mesh_.vertex(v));
+        put_box(out_, bounds);
     }
 
     void put_nodes() {

@@ -7,6 +7,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "core/errors.hpp"
 #include "core/vector3.hpp"
 #include "files/gltf.hpp"
 
@@ -106,9 +107,8 @@ void put_zip(std::span<const std::pair<std::string, std::string>> members, ByteS
     std::uint64_t size = 22;
     for (const auto& [name, bytes] : members) size += bytes.size() + 2 * name.size() + 76;
     if (size > largest_glb)
-        throw Error(ErrorCode::invalid_argument, "the .3mf file would take " +
-                                                     std::to_string((size + 999'999) / 1'000'000) +
-                                                     " MB, but it ends at 4 GiB: write fewer pieces");
+        refuse("the .3mf file would take " + std::to_string((size + 999'999) / 1'000'000) +
+               " MB, but it ends at 4 GiB: write fewer pieces");
     out.set_total(size);
     const auto put16 = [](ByteSink& to, std::size_t x) { to.put_binary(static_cast<std::uint16_t>(x)); };
     const auto put32 = [](ByteSink& to, std::size_t x) { to.put_binary(static_cast<std::uint32_t>(x)); };
@@ -294,6 +294,53 @@ void write_pieces_3mf(const Pieces& pieces, ByteSink& out) {
           R"(schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>)"},
          {"3D/3dmodel.model", std::move(model)}}};
     put_zip(members, out);
+}
+
+// RFC 7946: a feature for each cell, a polygon for each piece. Outlines are counterclockwise, holes clockwise.
+void write_pieces_geojson(const Pieces& pieces, ByteSink& out) {
+    const auto put_place = [&](std::size_t v, const char* before) {
+        out.put(before);
+        out.put_number(pieces.vertices[2 * v]);
+        out.put(",");
+        out.put_number(pieces.vertices[2 * v + 1]);
+        out.put("]");
+    };
+    const auto put_polygon = [&](std::size_t p) {
+        const auto first = static_cast<std::size_t>(pieces.vertex_offsets[p]);
+        const auto begin = static_cast<std::size_t>(pieces.triangle_offsets[p]);
+        const auto end = static_cast<std::size_t>(pieces.triangle_offsets[p + 1]);
+        std::size_t start = 0;  // of the ring
+        bool begins = true;
+        for (std::size_t e = begin; e < end; ++e) {
+            const auto from = static_cast<std::size_t>(pieces.triangles[2 * e]);
+            const auto to = static_cast<std::size_t>(pieces.triangles[2 * e + 1]);
+            if (begins) {
+                put_place(first + from, e == begin ? "[[[" : "],[[");
+                start = from;
+            }
+            put_place(first + to, ",[");
+            begins = to == start;
+        }
+        out.put("]]");
+    };
+    out.put("{\"type\":\"FeatureCollection\",\"features\":[");
+    const char* separator = "\n";
+    for (std::size_t row = 0; row < pieces.ids.size(); ++row) {
+        const auto begin = static_cast<std::size_t>(pieces.indptr[row]);
+        const auto end = static_cast<std::size_t>(pieces.indptr[row + 1]);
+        if (begin == end) continue;
+        const std::string id = std::to_string(pieces.ids[row]);
+        out.put(separator);
+        out.put("{\"type\":\"Feature\",\"id\":" + id + ",\"properties\":{\"id\":" + id +
+                "},\"geometry\":{\"type\":\"MultiPolygon\",\"coordinates\":[");
+        for (std::size_t p = begin; p < end; ++p) {
+            if (p > begin) out.put(",");
+            put_polygon(p);
+        }
+        out.put("]}}");
+        separator = ",\n";
+    }
+    out.put("\n]}\n");
 }
 
 }  // namespace votess::files

@@ -7,15 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "core/errors.hpp"
 #include "core/vector3.hpp"
 #include "files/mesh.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::files {
-
-[[noreturn]] inline void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 struct SharedFace {
     std::int32_t owner;     // a cell of SharedMesh

@@ -10,7 +10,9 @@
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
+#include "fields/masses.hpp"
 #include "fit/newton.hpp"
+#include "fit/smooth_start.hpp"
 #include "fit/timed.hpp"
 #include "index/sort.hpp"
 #include "input/domain_of_result.hpp"
@@ -39,6 +41,9 @@ void check(const Settled& run, const FitOptions& fit) {
     if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
         refuse("FitOptions::tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
     if (run.subset) refuse("a fit needs all cells: leave out " + option("only"));
+    if (fit.density && run.region.mesh)
+        refuse("FitOptions::density: masses of cells in a mesh are not supported, leave out " + option("mesh") +
+               " or make the density 0 outside of it");
     if (EndlessSides(run.region).any())
         refuse(option("box") + ": cells that reach infinity have no volume, give a box with ends");
 }
@@ -47,8 +52,10 @@ bool is_dropped(const Job& job, std::size_t i) {
     return !job.outside.empty() && job.outside[i] == CellStatus::outside;
 }
 
-// Returns the targets as volumes that sum to that of the domain. Those of dropped points do not count.
-std::vector<double> checked_targets(const Job& job, std::span<const double> given, double volume, bool normalize) {
+// Returns the targets so that they sum to the volume of the domain, or to its mass. Those of dropped points do not
+// count.
+std::vector<double> checked_targets(const Job& job, std::span<const double> given, double volume,
+                                    const FitOptions& options) {
     const std::size_t count = job.points.count();
     if (given.size() != count)
         refuse(std::to_string(given.size()) + " target volumes for " + std::to_string(count) +
@@ -65,8 +72,9 @@ std::vector<double> checked_targets(const Job& job, std::span<const double> give
         sum = larger;
     }
     const double total = std::isfinite(sum) ? sum + rest : sum;
-    if (!normalize && !(std::abs(total - volume) <= sum_tolerance * volume))
-        refuse("the target volumes sum to " + number(total) + ", but the domain has " + number(volume) +
+    if (!options.normalize && !(std::abs(total - volume) <= sum_tolerance * volume))
+        refuse("the target volumes sum to " + number(total) + ", but the domain has " +
+               (options.density ? "the mass " : "") + number(volume) +
                ": correct them, or set FitOptions::normalize to scale them to that sum");
     for (double& target : targets) target *= volume / total;
     return targets;
@@ -98,21 +106,34 @@ std::vector<std::int32_t> order_of(const Job& job, std::span<const double> place
     return order;
 }
 
+// Returns the whole domain, the cell of a seed in its middle.
+Tessellation whole_domain(const Job& job) {
+    Settled run = job;
+    run.progress = Stoppable::within({});
+    run.want = {.neighbors = false, .volumes = true, .centroids = true};
+    run.want.faces = true;
+    run.weights = {};
+    run.min_face = run.min_area = 0;
+    if (!run.region.cell) run.region.box = job.box;
+    run.region.outside = Outside::keep;
+    std::array<double, 3> middle{};
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5 * job.box.lower[k] + 0.5 * job.box.upper[k];
+    run.points = {middle, {}};
+    return tessellate(std::move(run));
+}
+
 // Returns weights with which each point has a cell, also where some lie outside of a domain without periods. Let t and
 // c be such that all c + t (p - c) are inside. The Voronoi diagram of these is the power diagram of the points p with
 // the weights (1 - t) |p - c|^2. 0 by default.
 Vector first_weights(const Job& job, std::span<const std::int32_t> order) {
     Vector weights = Vector::Zero(static_cast<Eigen::Index>(order.size()));
     if (job.beyond.empty() || job.domain->is_periodic()) return weights;
+    const Tessellation whole = whole_domain(job);
+    const auto center = whole.centroids();
     Settled run = job;
     run.progress = Stoppable::within({});
-    run.want = {.neighbors = false, .volumes = false, .centroids = true};
     if (!run.region.cell) run.region.box = job.box;
-    std::array<double, 3> middle{};
-    for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5 * job.box.lower[k] + 0.5 * job.box.upper[k];
-    run.points = {middle, {}};
-    const Tessellation whole = tessellate(run);
-    const auto center = whole.centroids();
+    run.want = {.neighbors = false, .volumes = false};
     run.region.outside = Outside::drop;
     const auto all_inside = [&](double t) {
         std::vector<double> moved;
@@ -167,21 +188,30 @@ Vector start_of(const Job& job, std::span<const std::int32_t> order) {
     return start;
 }
 
-void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::span<const double> targets,
-         const FitOptions& options, int dimensions, ThreadPool& pool, VolumeFit& out) {
+void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<Under> density,
+         std::span<const double> targets, const FitOptions& options, int dimensions, ThreadPool& pool, VolumeFit& out) {
     std::vector<double> places(job.points.f64.begin(), job.points.f64.end());
     move_into_domain(job, places);
     const std::vector<std::int32_t> order = order_of(job, places, pool);
-    Newton newton(problem_of(job, mesh, targets, places, order, dimensions), options, out);
-    const bool converged = newton.run(start_of(job, order));
+    Problem problem = problem_of(job, mesh, targets, places, order, dimensions);
+    problem.density = std::move(density);
+    problem.pool = &pool;
+    Vector start = start_of(job, order);
+    if (problem.density && job.domain->weights.empty())
+        if (const auto smooth =
+                smooth_start(job, *problem.density, problem.places, problem.targets, problem.edges, dimensions, pool))
+            start = *smooth;
+    Newton newton(std::move(problem), options, out);
+    const bool converged = newton.run(std::move(start));
     out.residual = newton.now().residual;
     out.weights.assign(job.points.count(), 0);
     for (std::size_t row = 0; row < order.size(); ++row)
         out.weights[static_cast<std::size_t>(order[row])] = newton.now().weights[static_cast<Eigen::Index>(row)];
     if (converged) return;
     const std::string message = "fit_volumes: after " + std::to_string(out.steps) + " steps the largest error of a " +
-                                "volume is " + number(out.residual) + " of its target, more than the tolerance " +
-                                number(options.tolerance) + ": " + newton.why();
+                                (options.density ? "mass" : "volume") + " is " + number(out.residual) +
+                                " of its target, more than the tolerance " + number(options.tolerance) + ": " +
+                                newton.why();
     throw FitError(message, std::move(out.weights), out.residual, out.steps);
 }
 
@@ -195,29 +225,39 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
     ThreadPool pool(whole.threads);
     Snapshot snapshot;
     whole.points = snapshot.take(whole.points, pool);
-    const std::optional<TriangleMesh> mesh = whole.region.mesh;
     Settled in_space = whole;
     double mesh_volume = 0, unit = 1;  // the latter: the volume of the sheet for an area of 1
-    if (mesh) {
-        solid::check_want(whole.want);
-        const solid::ClosedMesh closed(*mesh);
-        in_space.region = solid::region_around(closed, whole);
-        mesh_volume = closed.volume();
-    }
-    std::optional<Sheet> sheet;  // whose weights are those of the plane
+    std::optional<Sheet> sheet;        // whose weights are those of the plane
     if (whole.region.planar) {
         in_space = sheet.emplace(std::move(in_space)).in_space();
         unit = sheet->thickness();
     }
+    const std::optional<TriangleMesh> mesh = in_space.region.mesh;
+    if (mesh) {
+        solid::check_want(whole.want);
+        const solid::ClosedMesh closed(*mesh);
+        in_space.region = solid::region_around(closed, in_space);
+        mesh_volume = volume_in(closed, in_space.region);
+    }
+    std::vector<double> values;
+    if (options.density) values = fields::checked_values(*options.density, whole.region.planar, "fit_volumes");
     const Job job = make_job(std::move(in_space));
     const std::size_t count = job.points.count();
     if (count > 0) {
         if (std::ranges::count(job.outside, CellStatus::outside) == static_cast<std::ptrdiff_t>(count))
             refuse("all points are outside and dropped: move some into the domain");
-        std::vector<double> volumes =
-            checked_targets(job, targets, (mesh ? mesh_volume : job.box_volume) / unit, options.normalize);
+        double all = mesh ? mesh_volume : job.box_volume;
+        std::optional<Under> density;
+        if (options.density) {
+            density = Under{fields::Frame(job, options.density->shape), std::move(values)};
+            const Masses of = fields::masses_in(whole_domain(job), density->frame, density->values, pool, false);
+            all = of.masses[0];
+            if (!(all > 0)) refuse("the density is 0 in the whole domain: there is no mass to divide");
+            density->mean = all / job.box_volume;
+        }
+        std::vector<double> volumes = checked_targets(job, targets, all / unit, options);
         for (double& volume : volumes) volume *= unit;
-        fit(job, mesh, volumes, options, sheet ? 2 : 3, pool, out);
+        fit(job, mesh, std::move(density), volumes, options, sheet ? 2 : 3, pool, out);
     }
     const Timed last(out.seconds.tessellate);
     whole.weights = {out.weights};

@@ -13,7 +13,8 @@ constexpr Eigen::Index max_iterations = 1000;  // a dozen are usual; a rough ste
 
 }  // namespace
 
-void set_laplacian(const Tessellation& t, std::span<const double> places, const Edges& edges, Matrix& matrix) {
+void set_laplacian(const Tessellation& t, std::span<const double> areas, std::span<const double> places,
+                   const Edges& edges, Matrix& matrix) {
     const std::size_t count = t.size(), most = t.indices().size() + count;
     if (most > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
         throw Error(ErrorCode::unsupported, "fit_volumes(): " + std::to_string(t.indices().size()) +
@@ -57,9 +58,9 @@ void set_laplacian(const Tessellation& t, std::span<const double> places, const 
         const auto end = static_cast<std::size_t>(t.indptr()[i + 1]);
         for (auto at = static_cast<std::size_t>(t.indptr()[i]); at < end; ++at) {
             const std::int32_t j = t.indices()[at];
-            if (j == own) continue;  // its own image, of the same weight
+            if (j == own || j < 0) continue;  // its own image, of the same weight; a wall
             if (j > own && diagonal < 0) add_diagonal();
-            const double derivative = t.face_areas()[at] / (2 * std::sqrt(squared_distance(i, at)));
+            const double derivative = areas[at] / (2 * std::sqrt(squared_distance(i, at)));
             sum += derivative;
             add(j, -derivative);
         }

@@ -25,6 +25,13 @@ constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_fille
 // Tolerances of the linear solver: a share of the residual, within bounds. So convergence stays quadratic.
 constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
 
+// The lift at the start, if some cells have no mass then, or too many; the share of its target that a cell keeps when
+// the lift sinks.
+constexpr double some_lift = 1e-3, full_lift = 1, kept_mass = 0.3;
+// The least lift of derivatives, times the residual: between bright places far apart the derivatives are 0, but mass
+// has to move from cells of one to those of another.
+constexpr double least_lift = 0.01;
+
 // Infinite for an empty cell.
 double distance_between(const Vector& volumes, const Vector& targets) {
     return (volumes.array() / targets.array()).log().matrix().norm();
@@ -36,7 +43,8 @@ Newton::Newton(Problem problem, const FitOptions& options, VolumeFit& out)
     : problem_(std::move(problem)), options_(options), out_(out) {
     problem_.run.points = {problem_.points, {}};
     problem_.run.want = {};
-    problem_.run.want.areas = problem_.run.want.centroids = true;
+    problem_.run.want.areas = true;
+    (problem_.density ? problem_.run.want.faces : problem_.run.want.centroids) = true;
     problem_.run.precision = Precision::double_;
     problem_.run.follow = true;  // the last steps change weights a little
 }
@@ -51,25 +59,66 @@ Weighted Newton::tessellate(Vector weights) {
     const double done = 0.95 * std::clamp(digits / all_digits, 0.0, 1.0);
     problem_.run.progress = Stoppable::within({done, done});
     result.tessellation = runner_(problem_.run);
-    const std::span<const double> volumes = result.tessellation.volumes();
-    result.volumes = Eigen::Map<const Vector>(volumes.data(), static_cast<Eigen::Index>(volumes.size()));
     result.weights = std::move(weights);
-    result.residual = ((result.volumes - problem_.targets).array() / problem_.targets.array()).abs().maxCoeff();
+    if (const auto& density = problem_.density)
+        result.masses = fields::masses_in(result.tessellation, density->frame, density->values, *problem_.pool, false);
+    measure(result);
     ++out_.tessellations;
     return result;
 }
 
+void Newton::measure(Weighted& of) const {
+    const auto as_vector = [](std::span<const double> numbers) {
+        return Eigen::Map<const Vector>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+    };
+    of.volumes = as_vector(of.tessellation.volumes());
+    if (const auto& density = problem_.density)
+        of.volumes = (1 - lift_) * as_vector(of.masses.masses) + lift_ * density->mean * of.volumes;
+    of.residual = ((of.volumes - problem_.targets).array() / problem_.targets.array()).abs().maxCoeff();
+}
+
+void Newton::sink() {
+    if (lift_ == 0) return;
+    double least = 0;
+    for (Eigen::Index i = 0; i < problem_.targets.size(); ++i) {
+        const auto cell = static_cast<std::size_t>(i);
+        const double kept = std::min(kept_mass * problem_.targets[i], now_.volumes[i]);
+        const double mass = now_.masses.masses[cell];
+        if (mass >= kept) continue;
+        const double even = problem_.density->mean * now_.tessellation.volumes()[cell];
+        least = std::max(least, (kept - mass) / (even - mass));
+    }
+    lift_ = std::min(lift_, least);
+    measure(now_);
+}
+
+// The areas of faces, or their masses.
+std::vector<double> Newton::areas() const {
+    const std::span<const double> given = now_.tessellation.face_areas();
+    std::vector<double> areas(given.begin(), given.end());
+    if (!problem_.density) return areas;
+    const double lift = std::max(lift_, least_lift * std::min(1.0, now_.residual));
+    for (std::size_t i = 0; i < areas.size(); ++i)
+        areas[i] = (1 - lift) * now_.masses.face_masses[i] + lift * problem_.density->mean * areas[i];
+    return areas;
+}
+
 Weighted Newton::trial(const Vector& step) {
-    Weighted next = tessellate(now_.weights + step);
     const Vector least = dying * now_.volumes.cwiseMin(problem_.targets);
+    return revived(tessellate(now_.weights + step), now_.tessellation, least);
+}
+
+Weighted Newton::revived(Weighted next, const Tessellation& before, const Vector& least) {
     Eigen::Index max_small = static_cast<Eigen::Index>(max_dying * static_cast<double>(least.size()));
     for (int attempt = 0; attempt < max_revivals; ++attempt) {
         const Eigen::Index small = (next.volumes.array() < least.array()).count();
         if (small == 0 || small > max_small) break;
         max_small = small / 4;
         Vector weights = std::move(next.weights);
-        revive({problem_.places, problem_.edges, problem_.targets, now_.tessellation, next.tessellation, least,
-                problem_.dimensions},
+        const std::span<const double> centroids =
+            problem_.density ? next.masses.centroids : next.tessellation.centroids();
+        revive({problem_.places, problem_.edges, problem_.targets, before, next.tessellation, next.volumes, centroids,
+                least, problem_.dimensions},
                attempt, weights);
         next = tessellate(std::move(weights));
     }
@@ -114,7 +163,7 @@ Vector Newton::step_to(const Vector& goal) {
 bool Newton::advance() {
     {
         const Timed timed(out_.seconds.assemble);
-        set_laplacian(now_.tessellation, problem_.places, problem_.edges, matrix_);
+        set_laplacian(now_.tessellation, areas(), problem_.places, problem_.edges, matrix_);
     }
     const double before = distance_between(now_.volumes, problem_.targets);
     for (; share_ >= least_share; share_ /= 2) {
@@ -137,24 +186,39 @@ bool Newton::advance() {
 
 bool Newton::run(Vector weights) {
     now_ = tessellate(std::move(weights));
-    if (!(now_.volumes.minCoeff() > 0)) now_ = tessellate(problem_.start);
+    if (!(now_.volumes.minCoeff() > 0)) {
+        Weighted even = tessellate(problem_.start);
+        if (problem_.density) {
+            now_ = revived(std::move(now_), even.tessellation, dying * problem_.targets);
+            const auto empty = static_cast<double>((now_.volumes.array() <= 0).count());
+            if (empty > 0) lift_ = empty > max_dying * static_cast<double>(now_.volumes.size()) ? full_lift : some_lift;
+            measure(now_);
+            measure(even);
+        }
+        if (!(now_.volumes.minCoeff() > 0)) now_ = std::move(even);
+    }
     Eigen::Index smallest_cell = 0;
     if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh, or outside of a periodic domain
         const double* const p = problem_.points.data() + 3 * smallest_cell;
-        why_ = "without weights the point (" + number(p[0]) + ", " + number(p[1]) + ", " + number(p[2]) +
-               ") has no cell, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain");
+        why_ = "without weights the point (" + number(p[0]) + ", " + number(p[1]) +
+               (problem_.dimensions == 3 ? ", " + number(p[2]) : "") + ") has no cell, move it into the " +
+               (problem_.run.region.mesh ? "mesh" : "domain");
         return false;
     }
-    first_residual_ = now_.residual;
+    sink();
     choose_share();
-    for (; now_.residual > options_.tolerance; ++out_.steps) {
+    first_residual_ = now_.residual;
+    for (; now_.residual > options_.tolerance || lift_ > 0; ++out_.steps) {
         if (out_.steps == options_.max_steps)
             why_ = "raise FitOptions::max_steps";
-        else if (!advance())
+        else if (now_.residual > options_.tolerance && !advance())
             why_ = "no step comes nearer, raise FitOptions::tolerance";
-        if (!why_.empty()) return false;
+        if (!why_.empty()) break;
+        sink();
     }
-    return true;
+    lift_ = 0;
+    measure(now_);
+    return why_.empty();
 }
 
 }  // namespace votess::fit

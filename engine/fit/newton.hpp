@@ -1,15 +1,26 @@
 // Damped Newton steps to the weights of given volumes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/thread_pool.hpp"
+#include "fields/masses.hpp"
 #include "fit/laplacian.hpp"
 #include "input/settle.hpp"
 #include "votess/fit.hpp"
 
 namespace votess::fit {
 
+// A density on a grid over the domain.
+struct Under {
+    fields::Frame frame;
+    std::vector<double> values;
+    double mean = 1;  // over the domain
+};
+
+// With a density all volumes are masses.
 struct Problem {
     std::vector<double> points;  // 3N, along a Hilbert curve
     std::vector<double> places;  // 3N, the points inside a periodic domain
@@ -18,11 +29,14 @@ struct Problem {
     Edges edges{};               // of the domain
     Settled run;                 // its region and how it works
     int dimensions = 3;          // 2: the cells are those of a sheet, see plane/sheet.hpp
+    std::optional<Under> density;
+    ThreadPool* pool = nullptr;  // for masses
 };
 
 struct Weighted {
     Vector weights, volumes;
-    Tessellation tessellation;  // with neighbors, areas and centroids
+    Tessellation tessellation;  // with neighbors, areas, and centroids or faces
+    Masses masses;              // with a density
     double residual = 0;        // largest |volume - target| / target
 };
 
@@ -31,6 +45,9 @@ struct Weighted {
 // The size of a cell alone is about linear in its weight, and so is that of cells that grow together. So a step solves
 // for the cube roots of volumes, in the plane for the square roots of areas. It aims at a goal between volumes and
 // targets, on a logarithmic scale. Cells that it leaves empty are revived in the cells around them.
+//
+// Under a density that is 0 in places, cells there have no mass, and no derivative. So a share of the mass, the lift,
+// is spread evenly over the domain. After each step it sinks as far as no cell loses most of its mass.
 class Newton {
 public:
     Newton(Problem problem, const FitOptions& options, VolumeFit& out);
@@ -43,8 +60,13 @@ public:
 
 private:
     [[nodiscard]] Weighted tessellate(Vector weights);
-    // Returns the diagram after a step, with small cells revived as far as that is possible.
+    void measure(Weighted& of) const;  // at this lift
+    void sink();                       // lowers the lift
+    [[nodiscard]] std::vector<double> areas() const;
+    // Returns the diagram after a step.
     [[nodiscard]] Weighted trial(const Vector& step);
+    // Returns a diagram with small cells revived as far as that is possible. before: with cells of all seeds.
+    [[nodiscard]] Weighted revived(Weighted next, const Tessellation& before, const Vector& least);
     [[nodiscard]] Vector goal() const;
     [[nodiscard]] Vector step_to(const Vector& goal);
     // Takes the longest step that empties no cell and comes nearer. Returns false if no step does.
@@ -59,6 +81,7 @@ private:
     Runner runner_;
     Matrix matrix_;
     Weighted now_;
+    double lift_ = 0;
     double share_ = 1;      // of the way from volumes to targets, for the goal
     bool filling_ = false;  // the goal lets only the smallest cells grow
     double filled_ = 0;     // volume / target of the smallest cell, at which filling ends

@@ -35,7 +35,8 @@ public:
         return best;
     }
     [[nodiscard]] bool is_small(std::size_t i) const {
-        return !(cells_.after.volumes()[i] >= cells_.least[static_cast<Eigen::Index>(i)]);
+        const auto row = static_cast<Eigen::Index>(i);
+        return !(cells_.volumes[row] >= cells_.least[row]);
     }
 
 private:
@@ -43,6 +44,7 @@ private:
     void for_neighbors(const Tessellation& t, std::size_t i, const Visit& visit) const {
         const auto end = static_cast<std::size_t>(t.indptr()[i + 1]);
         for (auto at = static_cast<std::size_t>(t.indptr()[i]); at < end; ++at) {
+            if (t.indices()[at] < 0) continue;
             Place shift = Place::Zero();
             for (std::size_t e = 0; e < 3 && !t.shifts().empty(); ++e)
                 shift += t.shifts()[3 * at + e] * Place(cells_.edges[e].data());
@@ -51,11 +53,11 @@ private:
     }
     void consider(std::size_t other, const Place& shift, const Place& place, Touch& best) const {
         if (is_small(other)) return;
-        const Place centroid = place_of(cells_.after.centroids(), other) + shift;
+        const Place centroid = place_of(cells_.centroids, other) + shift;
         const double power = (centroid - shift - place_of(cells_.places, other)).squaredNorm() -
                              weights_[static_cast<Eigen::Index>(other)];
         const double weight = (centroid - place).squaredNorm() - power;
-        if (weight < best.weight) best = {weight, cells_.after.volumes()[other]};
+        if (weight < best.weight) best = {weight, cells_.volumes[static_cast<Eigen::Index>(other)]};
     }
 
     const Revival& cells_;

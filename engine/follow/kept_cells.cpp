@@ -285,7 +285,7 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         }
         if (old_face[f] != none) hint = old_face[f] + 1 < faces ? old_face[f] + 1 : 0;
     }
-    Edges& edges = worker.edges;
+    CornerEdges& edges = worker.edges;
     edges.begin();
     const auto old = before.corners();
     for (std::size_t v = 0; v < old.size(); ++v)

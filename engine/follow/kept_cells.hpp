@@ -100,7 +100,7 @@ private:
     struct Worker {  // of one thread
         std::vector<std::unique_ptr<std::byte[]>> chunks;
         std::size_t chunk = 0, used = 0;  // of chunks
-        Edges edges;
+        CornerEdges edges;
         LooseCell loose;
         SignTest signs;
         Flip flip;

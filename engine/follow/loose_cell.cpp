@@ -43,7 +43,7 @@ void LooseCell::remove_face(std::size_t at) {
         for (std::uint8_t& f : corner[v]) f -= f > at ? 1 : 0;
 }
 
-std::size_t LooseCell::pack(std::size_t seed, Edges& edges, std::size_t room, std::span<std::byte> to) const {
+std::size_t LooseCell::pack(std::size_t seed, CornerEdges& edges, std::size_t room, std::span<std::byte> to) const {
     KeptCell::Head head{0, static_cast<std::uint8_t>(faces), static_cast<std::uint8_t>(corners), 0, 0, false, tied};
     std::array<std::uint8_t, CellShape::max_planes> later;
     for (std::size_t f = 0; f < faces; ++f) {

@@ -20,7 +20,7 @@ inline double determinant(const double* a, const double* b, const double* c) {
 }
 
 // Scratch: the edges of a cell from corner to corner, by ordered pair of planes.
-class Edges {
+class CornerEdges {
 public:
     void begin() {
         if (++now_ == 0) edges_ = {}, now_ = 1;
@@ -65,7 +65,7 @@ struct LooseCell {
     void remove_face(std::size_t at);
     // Writes a record and returns its size, a multiple of 8. seed: of the cell; a sign belongs to the lowest seed
     // around it. A cell whose corners do not join to a closed surface becomes tied. room: least bytes of the storage.
-    std::size_t pack(std::size_t seed, Edges& edges, std::size_t room, std::span<std::byte> to) const;
+    std::size_t pack(std::size_t seed, CornerEdges& edges, std::size_t room, std::span<std::byte> to) const;
 };
 
 }  // namespace votess::cpu

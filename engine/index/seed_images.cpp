@@ -6,8 +6,8 @@
 #include <limits>
 #include <tuple>
 
-#include "core/arithmetic.hpp"
-#include "core/vector3.hpp"
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "domain/lattice_reach.hpp"
 
 namespace votess::cpu {
@@ -19,17 +19,6 @@ constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Thin or long boxes would have too many images. Cells search for images beyond the margin.
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
-
-exact::Point point_of(const Points& points, std::size_t i, double scale) {
-    return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
-}
-
-void extend(Box& box, const exact::Point& x) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = std::min(box.lower[k], x[k]);
-        box.upper[k] = std::max(box.upper[k], x[k]);
-    }
-}
 
 // Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
 double mean_spacing(const std::array<double, 3>& sides, double count) {
@@ -82,9 +71,22 @@ double SeedImages::reach(const exact::Point& seed) const {
 }
 
 bool SeedImages::is_present(const exact::Point& image) const {
-    const auto f = fraction(image);
-    for (int j = 0; j < 3; ++j)
-        if (domain_->periodic[j] && !(std::abs(f[j] - 0.5) < 0.5 + margin_[j] - 2 * error_[j])) return false;
+    return are_present({image, image});
+}
+
+bool SeedImages::are_present(const Box& images) const {
+    exact::Point middle, half;
+    for (std::size_t k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * (images.lower[k] + images.upper[k]);
+        half[k] = images.upper[k] - middle[k];
+    }
+    const auto f = fraction(middle);
+    for (std::size_t j = 0; j < 3; ++j) {
+        double reach = 0;
+        for (std::size_t k = 0; k < 3; ++k) reach += std::abs(basis_->dual[j][k]) * half[k];
+        const double farthest = std::abs(f[j] - 0.5) + reach * (1 + fraction_slack);
+        if (domain_->periodic[j] && !(farthest < 0.5 + margin_[j] - 2 * error_[j])) return false;
+    }
     return true;
 }
 
@@ -191,9 +193,8 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
         }
     });
     if (const auto first = std::ranges::min_element(too_far); first != too_far.end() && *first < count)
-        throw Error(ErrorCode::invalid_argument,
-                    "point " + std::to_string(*first) +
-                        " lies more than 500 million periods away from the box: wrap it into the box first");
+        refuse("point " + std::to_string(*first) +
+               " lies more than 500 million periods away from the box: wrap it into the box first");
     resize(none() ? 0 : count, none() ? 0 : count);
     if (none()) return;
     pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
@@ -283,10 +284,10 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     std::vector<Box> parts(ceil_div(seeds.size(), task_points), nowhere);  // bounds of fractions
     pool.run(parts.size(), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * task_points; s < std::min(seeds.size(), (task + 1) * task_points); ++s)
-            extend(parts[task], fraction({seeds.x[s], seeds.y[s], seeds.z[s]}));
+            include(parts[task], fraction({seeds.x[s], seeds.y[s], seeds.z[s]}));
     });
     Box all = nowhere;
-    for (const Box& part : parts) extend(all, part.lower), extend(all, part.upper);
+    for (const Box& part : parts) include(all, part);
     std::array<double, 3> filled{}, empty{};
     for (std::size_t j = 0; j < 3; ++j) {
         filled[j] = std::clamp(all.upper[j] - all.lower[j], 0.0, 1.0) * basis_->width[j];

@@ -68,6 +68,8 @@ public:
     [[nodiscard]] double reach(const exact::Point& seed) const;
     // Whether an image at that place is certainly present.
     [[nodiscard]] bool is_present(const exact::Point& image) const;
+    // The same for all images in a box.
+    [[nodiscard]] bool are_present(const Box& images) const;
     // Returns the smallest reach of all seeds.
     [[nodiscard]] double min_reach() const { return min_reach_; }
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "core/text.hpp"
 #include "polytope/cell.hpp"
 
@@ -24,10 +25,8 @@ Box default_box(const Box& bounds, std::size_t count, int dimensions) {
         box.lower[k] = std::min(bounds.lower[k] - margin, std::nextafter(bounds.lower[k], -infinity));
         box.upper[k] = std::max(bounds.upper[k] + margin, std::nextafter(bounds.upper[k], infinity));
         if (!std::isfinite(box.lower[k]) || !std::isfinite(box.upper[k]))
-            throw Error(ErrorCode::invalid_argument,
-                        std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
-                            number(bounds.upper[k]) +
-                            ", too close to the largest double for a default box: give Options::box");
+            refuse(std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
+                   number(bounds.upper[k]) + ", too close to the largest double for a default box: give Options::box");
     }
     return box;
 }
@@ -64,7 +63,7 @@ Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
     if (!polyhedron.empty()) polyhedron.canonical_faces(faces);
     constexpr std::size_t min_faces = 4;
     if (faces.size() < min_faces) return otherwise;  // no room
-    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    Box bounds = empty_box;
     // Only corners that may be outermost are solved exactly.
     Box inner = bounds;
     for (const std::int32_t slot : faces.corners)
@@ -82,10 +81,7 @@ Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
         if (!outermost) continue;
         const auto [a, b, c] = polyhedron.corner_planes(slot);
         const auto x = exact::vertex_position<double>({}, a->source, b->source, c->source);
-        for (int k = 0; k < 3; ++k) {
-            bounds.lower[k] = std::min(bounds.lower[k], x[k]);
-            bounds.upper[k] = std::max(bounds.upper[k], x[k]);
-        }
+        include(bounds, x);
     }
     std::array<bool, 6> unbounded{};
     for (const std::int32_t p : faces.planes)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "input/settle.hpp"
@@ -39,8 +40,8 @@ Settled run_of(const Tessellation& t, std::span<const double> points) {
 
 void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
     if (points.size() == (t.planar() ? 2 : 3) * t.size()) return;
-    throw Error(ErrorCode::invalid_argument, function + "(): points hold " + std::to_string(points.size()) +
-                                                 " coordinates, the result has " + std::to_string(t.size()) + " cells");
+    refuse(function + "(): points hold " + std::to_string(points.size()) + " coordinates, the result has " +
+           std::to_string(t.size()) + " cells");
 }
 
 void require_finite_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
@@ -48,9 +49,8 @@ void require_finite_points(const Tessellation& t, std::span<const double> points
     const std::size_t dimensions = t.planar() ? 2 : 3;
     for (std::size_t i = 0; i < points.size(); ++i)
         if (!std::isfinite(points[i]))
-            throw Error(ErrorCode::invalid_argument, function + "(): point " + std::to_string(i / dimensions) + ": " +
-                                                         "xyz"[i % dimensions] + " = " + number(points[i]) +
-                                                         " is not finite: give the points of the result");
+            refuse(function + "(): point " + std::to_string(i / dimensions) + ": " + "xyz"[i % dimensions] + " = " +
+                   number(points[i]) + " is not finite: give the points of the result");
 }
 
 void move_into_domain(const Job& job, std::span<double> places) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "domain/domain.hpp"
@@ -21,20 +22,15 @@ namespace {
 
 using exact::Point;
 
-[[noreturn]] void refuse_hull(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
-
 void check_no_domain(const Region& region) {
     const auto refuse_if = [](bool given, const char* name) {
-        if (given) refuse_hull(std::string("the convex hull and Options::") + name + " are both given: leave one out");
+        if (given) refuse(std::string("the convex hull and Options::") + name + " are both given: leave one out");
     };
     refuse_if(region.box.has_value(), "box");
     refuse_if(region.cell.has_value(), "cell");
     refuse_if(region.periodic != std::array<bool, 3>{}, "periodic");
     refuse_if(!region.walls.empty(), "walls");
-    if (region.outside != Outside::error)
-        refuse_hull("no point is outside of the convex hull: leave out Options::outside");
+    if (region.outside != Outside::error) refuse("no point is outside of the convex hull: leave out Options::outside");
 }
 
 double next_up(double x) {
@@ -55,8 +51,8 @@ struct ScaledPoints {
         for (std::size_t i = 0; i < given.size(); ++i) {
             const std::size_t k = i % dimensions;
             if (!std::isfinite(given[i]))
-                refuse_hull("point " + std::to_string(first + i / dimensions) + ": " + axis_name[k] + " = " +
-                            number(given[i]) + " is not finite");
+                refuse("point " + std::to_string(first + i / dimensions) + ": " + axis_name[k] + " = " +
+                       number(given[i]) + " is not finite");
             lower[k] = std::min(lower[k], given[i]);
             upper[k] = std::max(upper[k], given[i]);
         }
@@ -71,8 +67,8 @@ struct ScaledPoints {
                 for (std::size_t k = 0; k < dimensions; ++k) {
                     const double x = given[dimensions * i + k];
                     if (x * scale / scale != x)
-                        refuse_hull("point " + std::to_string(first + i) + ": " + axis_name[k] + " = " + number(x) +
-                                    " is too small beside the largest coordinate for a hull: move it to 0");
+                        refuse("point " + std::to_string(first + i) + ": " + axis_name[k] + " = " + number(x) +
+                               " is too small beside the largest coordinate for a hull: move it to 0");
                     points[i][k] = x * scale;
                 }
         });
@@ -106,8 +102,8 @@ HullOfParts::HullOfParts(const Region& given) : planar_(given.planar), dimension
 
 void HullOfParts::add(std::span<const double> points) {
     if (points.size() % dimensions_ != 0)
-        refuse_hull("points hold " + std::to_string(points.size()) + " coordinates, not a multiple of " +
-                    std::to_string(dimensions_));
+        refuse("points hold " + std::to_string(points.size()) + " coordinates, not a multiple of " +
+               std::to_string(dimensions_));
     points_.insert(points_.end(), points.begin(), points.end());
     added_ += points.size() / dimensions_;
     constexpr std::size_t enough = 30000;  // coordinates, so that small parts do not each make a hull
@@ -139,11 +135,11 @@ std::vector<Wall> HullOfParts::walls(std::uint64_t count) {
     const ScaledPoints scaled(corners(), dimensions_, 0);
     const Hull hull(scaled.points);
     if (hull.is_flat())
-        refuse_hull(count <= dimensions_
-                        ? std::to_string(count) + " points have no convex hull with an interior: give at least " +
-                              std::to_string(dimensions_ + 1) + ", or another domain"
-                        : std::string("all points lie ") + (planar_ ? "on one line" : "in one plane") +
-                              ", so their convex hull has no interior: give another domain");
+        refuse(count <= dimensions_
+                   ? std::to_string(count) + " points have no convex hull with an interior: give at least " +
+                         std::to_string(dimensions_ + 1) + ", or another domain"
+                   : std::string("all points lie ") + (planar_ ? "on one line" : "in one plane") +
+                         ", so their convex hull has no interior: give another domain");
     std::vector<Wall> walls;
     for (const Hull::Triangle& facet : hull.facets()) {
         std::array<Point, 3> corner;
@@ -159,8 +155,8 @@ std::vector<Wall> HullOfParts::walls(std::uint64_t count) {
         double end = offset / scaled.scale;
         if (end * scaled.scale < offset) end = next_up(end);
         if (!std::isfinite(end))
-            refuse_hull("coordinate " + number(scaled.largest) +
-                        " is too close to the largest double for a hull: give lengths in a larger unit");
+            refuse("coordinate " + number(scaled.largest) +
+                   " is too close to the largest double for a hull: give lengths in a larger unit");
         walls.push_back({normal.n, end});
     }
     return walls;

@@ -8,11 +8,11 @@
 #include <optional>
 #include <utility>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
-#include "core/vector3.hpp"
 #include "input/default_box.hpp"
 #include "input/settle.hpp"
 #include "polytope/cell.hpp"
@@ -22,10 +22,6 @@ namespace {
 
 constexpr std::size_t points_per_stop_check = 4096;
 constexpr double max_scaled_weight = 0x1p500;  // its square does not overflow
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 Box scaled(const Box& box, double scale) {
     Box result;
@@ -132,8 +128,6 @@ std::string in_parentheses(const exact::Point& x) {
     return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
 }
 
-constexpr Box no_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-
 // Returns whether all coordinates are finite. Has no branches.
 template <class T>
 bool find_bounds(std::span<const T> coordinates, Box& bounds) {
@@ -149,17 +143,10 @@ bool find_bounds(std::span<const T> coordinates, Box& bounds) {
     return zero == std::array<double, 3>{};
 }
 
-void include(Box& box, const Box& other) {
-    for (int k = 0; k < 3; ++k) {
-        box.lower[k] = std::min(box.lower[k], other.lower[k]);
-        box.upper[k] = std::max(box.upper[k], other.upper[k]);
-    }
-}
-
 // Returns the bounds of the seeds from `begin` on, after a check of each. outside: as in the job.
 Box check_each(const Points& points, std::size_t begin, std::size_t end, const Region& region,
                std::vector<CellStatus>& outside) {
-    Box bounds = no_bounds;
+    Box bounds = empty_box;
     for (std::size_t i = begin; i < end; ++i) {
         for (int k = 0; k < 3; ++k) {
             const double value = points[3 * i + k];
@@ -248,7 +235,7 @@ void set_walls(Job& job, Domain& domain) {
     for (std::size_t i = 0; i < job.points.count(); ++i) {
         if (i % points_per_stop_check == 0) check_stop();
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
-        const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        const exact::Point x = point_of(job.points, i);
         const exact::Point at = scaled(x, job.scale);
         const std::size_t wall = first_outside(domain, as_given, x, at);
         if (wall == walls.size()) {
@@ -304,7 +291,7 @@ void check_inside_cell(Job& job, const Domain& domain) {
     if (!domain.has_cell_walls()) return;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
         if (i % points_per_stop_check == 0) check_stop();
-        const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        const exact::Point x = point_of(job.points, i);
         const exact::Point at = scaled(x, job.scale);  // not finite for seeds far outside
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
         if (job.region.outside == Outside::error)
@@ -344,7 +331,7 @@ void widen_covering_radius(const Job& job, Domain& domain) {
         exact::Point d;
         for (std::size_t k = 0; k < 3; ++k) d[k] = job.points[3 * i + k] * job.scale - domain.origin[k];
         const auto f = domain.reduced.fraction(d);
-        include(fractions, {f, f});
+        include(fractions, f);
     }
     constexpr double rounding = 1 + 1e-6;
     double more = 0;
@@ -413,7 +400,7 @@ Box check_points(const Points& points, const Region& region, std::vector<CellSta
     std::vector<std::optional<Box>> found(blocks);  // none where points have to be checked one by one
     const auto task = [&](std::size_t index, unsigned) {
         const std::size_t begin = index * block, count = std::min(block, points.count() - begin);
-        Box of_block = no_bounds;
+        Box of_block = empty_box;
         bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), of_block)
                                        : find_bounds(points.f32.subspan(3 * begin, 3 * count), of_block);
         for (int k = 0; k < 3; ++k)
@@ -422,7 +409,7 @@ Box check_points(const Points& points, const Region& region, std::vector<CellSta
         if (good) found[index] = of_block;
     };
     if (pool != nullptr && blocks > 1) pool->run(blocks, std::cref(task));
-    Box bounds = no_bounds;
+    Box bounds = empty_box;
     for (std::size_t index = 0; index < blocks; ++index) {
         check_stop();
         if (pool == nullptr || blocks == 1) task(index, 0);

@@ -5,25 +5,24 @@
 #include <string>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/text.hpp"
 #include "domain/domain.hpp"
 
 namespace votess {
 namespace {
 
-[[noreturn]] void refuse_region(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 [[noreturn]] void refuse_with_mesh(const std::string& what) {
     throw Error(ErrorCode::unsupported, "Options::mesh: " + what);
 }
 
 void check_flat(double z, const std::string& what) {
-    if (z != 0) refuse_region(what + " has z = " + number(z) + ": leave z 0 in two dimensions");
+    if (z != 0) refuse(what + " has z = " + number(z) + ": leave z 0 in two dimensions");
 }
 
 void check_with_mesh(const Region& region) {
-    if (region.planar) refuse_with_mesh("it works in three dimensions only: leave out Options::planar");
+    if (region.cell && (region.planar || region.in_sheet))
+        refuse_with_mesh("a triclinic box needs three dimensions: give Options::box, which may be periodic");
     if (region.cell && region.cell->periodic != std::array{true, true, true})
         refuse_with_mesh(
             "a triclinic box must repeat along all its edges: set Options::cell.periodic so, or give Options::box");
@@ -37,11 +36,11 @@ void check_with_mesh(const Region& region) {
 void check_endless(const Region& region) {
     for (std::size_t k = 0; region.box && k < 3; ++k)
         if (region.periodic[k] && !(std::isfinite(region.box->lower[k]) && std::isfinite(region.box->upper[k])))
-            refuse_region(std::string("Options::periodic: ") + axis_name[k] +
-                          " repeats, but Options::box has no end along it: give both of its bounds");
+            refuse(std::string("Options::periodic: ") + axis_name[k] +
+                   " repeats, but Options::box has no end along it: give both of its bounds");
     if (!region.walls.empty())
-        refuse_region("Options::box without end and Options::walls are both given: walls bound the domain alone");
-    if (region.box && region.cell) refuse_region("Options::box and Options::cell are both given: give one of them");
+        refuse("Options::box without end and Options::walls are both given: walls bound the domain alone");
+    if (region.box && region.cell) refuse("Options::box and Options::cell are both given: give one of them");
 }
 
 }  // namespace
@@ -63,8 +62,8 @@ std::int32_t EndlessSides::id() const {
 
 Region in_sheet(Region region, double height) {
     region.planar = false;
-    if (region.periodic[2])
-        refuse_region("Options::periodic: z repeats, but points of the plane have none: leave it out");
+    region.in_sheet = true;
+    if (region.periodic[2]) refuse("Options::periodic: z repeats, but points of the plane have none: leave it out");
     if (region.box) {
         check_flat(region.box->lower[2], "Options::box");
         check_flat(region.box->upper[2], "Options::box");
@@ -76,7 +75,7 @@ Region in_sheet(Region region, double height) {
         check_flat(cell.a[2], "cell: a");
         check_flat(cell.b[2], "cell: b");
         for (const double x : cell.c)
-            if (x != 0) refuse_region("Options::cell: c is given: leave it 0 in two dimensions");
+            if (x != 0) refuse("Options::cell: c is given: leave it 0 in two dimensions");
         cell.origin[2] = -height;
         cell.c = {0, 0, 2 * height};
         cell.periodic[2] = false;
@@ -90,12 +89,11 @@ void check_box(const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double lower = box.lower[k], upper = box.upper[k];
         if (!std::isfinite(lower) || !std::isfinite(upper))
-            refuse_region(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " +
-                          number(upper) + " is not finite");
+            refuse(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   " is not finite");
         if (!(lower < upper))
-            refuse_region(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " +
-                          number(upper) + (lower == upper ? " is empty" : " is inverted") +
-                          ": give the lower bound first, then the upper");
+            refuse(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bound first, then the upper");
     }
 }
 
@@ -106,32 +104,30 @@ void check_region(const Region& region) {
     if (endless) check_endless(region);
     const bool periodic = region.periodic != std::array<bool, 3>{};
     if (periodic && !region.box && !region.cell)
-        refuse_region(
-            "Options::periodic needs a box: give Options::box or Options::cell, whose lengths are the periods");
+        refuse("Options::periodic needs a box: give Options::box or Options::cell, whose lengths are the periods");
     if (region.box && !endless) check_box(*region.box);
     if (region.cell) {
-        if (region.box) refuse_region("Options::box and Options::cell are both given: give one of them");
+        if (region.box) refuse("Options::box and Options::cell are both given: give one of them");
         if (periodic && region.periodic != region.cell->periodic)
-            refuse_region(
+            refuse(
                 "Options::cell.periodic and Options::periodic contradict each other: set one of them, or both to the "
                 "same");
         const auto vectors = vectors_of(*region.cell);
         for (const auto& [name, numbers] : vectors)
             for (const double x : numbers)
                 if (!std::isfinite(x))
-                    refuse_region(std::string("Options::cell: ") + name + " holds " + number(x) +
-                                  ", which is not finite");
+                    refuse(std::string("Options::cell: ") + name + " holds " + number(x) + ", which is not finite");
         for (std::size_t j = 0; j < 3; ++j)
             if (vectors[j + 1].numbers == std::array<double, 3>{} && region.cell->periodic[j])
-                refuse_region(
+                refuse(
                     std::string("Options::cell: ") + vectors[j + 1].name +
                     " is 0, but the cell repeats along it: give its length, or leave it out of Options::cell.periodic "
                     "for a domain without end");
     }
     if (!region.walls.empty() && region.cell)
-        refuse_region("Options::walls and Options::cell are both given: walls need a box, leave one out");
+        refuse("Options::walls and Options::cell are both given: walls need a box, leave one out");
     if (!region.walls.empty() && periodic)
-        refuse_region("Options::walls and Options::periodic are both given: walls need a box that is not periodic");
+        refuse("Options::walls and Options::periodic are both given: walls need a box that is not periodic");
     for (std::size_t w = 0; w < region.walls.size(); ++w)
         (void)domain_wall(region.walls[w], 1, "wall " + std::to_string(w));
 }

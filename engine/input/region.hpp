@@ -23,6 +23,7 @@ struct Region {
     std::optional<TriangleMesh> mesh;
     Outside outside = Outside::error;
     bool planar = false;
+    bool in_sheet = false;  // of the plane, as a sheet in space: a mesh reaches beyond its walls
 
     // Returns the axes, or the edges of the cell, along which it repeats.
     [[nodiscard]] const std::array<bool, 3>& repeats() const { return cell ? cell->periodic : periodic; }

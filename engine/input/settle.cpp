@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
 #include "input/each_option.hpp"
@@ -18,10 +19,6 @@ namespace votess {
 namespace {
 
 constexpr std::size_t max_index_digits = 6;
-
-[[noreturn]] void refuse_option(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 bool names_device(const std::string& device) {
     if (device == "auto" || device == "cpu" || device == "gpu" || device == "lavapipe") return true;
@@ -41,9 +38,8 @@ void check_option(const char* name, Number value, UpTo<Number> allowed) {
         else
             return number(n);
     };
-    refuse_option(
-        "Options::" + std::string(name) + " = " + text(value) + ": give " +
-        (std::isinf(static_cast<double>(allowed.max)) ? "a finite number from 0 up" : "0 to " + text(allowed.max)));
+    refuse("Options::" + std::string(name) + " = " + text(value) + ": give " +
+           (std::isinf(static_cast<double>(allowed.max)) ? "a finite number from 0 up" : "0 to " + text(allowed.max)));
 }
 
 template <class Enum, std::size_t count>
@@ -53,14 +49,13 @@ void check_option(const char* name, Enum value, const std::array<const char*, co
     std::string known;
     for (std::size_t i = 0; i < count; ++i)
         known += (i == 0 ? "" : " or ") + std::to_string(i) + " (" + allowed[i] + ")";
-    refuse_option("Options::" + std::string(name) + " = " + std::to_string(index) + ": give " + known);
+    refuse("Options::" + std::string(name) + " = " + std::to_string(index) + ": give " + known);
 }
 
 void check_instructions(const std::string& name) {
     if (name.empty() || cpu::find_kernels(name) != nullptr) return;
     if (name != "avx512" && name != "avx2")
-        refuse_option("Options::instructions is " + in_quotes(name) +
-                      ", which are unknown: give baseline, avx2 or avx512");
+        refuse("Options::instructions is " + in_quotes(name) + ", which are unknown: give baseline, avx2 or avx512");
     std::string available;
     for (const cpu::Kernels* kernels : cpu::supported_kernels())
         available += (available.empty() ? "" : ", ") + std::string(kernels->name);
@@ -71,11 +66,10 @@ void check_values(const Options& options) {
     each_option([&](auto name, auto member, auto, auto allowed) { check_option(name, options.*member, allowed); });
     check_instructions(options.instructions);
     if (options.only && (options.min_face > 0 || options.min_area > 0))
-        refuse_option(
-            "Options::min_face and Options::min_area need the faces of all cells: leave them out, or Options::only");
+        refuse("Options::min_face and Options::min_area need the faces of all cells: leave them out, or Options::only");
     if (!names_device(options.device))
-        refuse_option("Options::device is " + in_quotes(options.device) +
-                      ", which is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
+        refuse("Options::device is " + in_quotes(options.device) +
+               ", which is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     if (options.only && options.device != "auto" && options.device != "cpu")
         throw Error(ErrorCode::unsupported,
                     "Options::device = " + options.device +
@@ -134,7 +128,7 @@ void check_k_init(unsigned k_init) {
 
 Weights weights_of(std::span<const double> weights, std::span<const double> radii) {
     if (!weights.empty() && !radii.empty())
-        refuse_option(
+        refuse(
             "Options::weights and Options::radii are both given: give one of them, weights are the squares of radii");
     const std::span<const double> given = radii.empty() ? weights : radii;
     return {{given.begin(), given.end()}, !radii.empty()};  // read once, see input/snapshot.hpp
@@ -174,8 +168,8 @@ void check_shape(const Points& points, bool planar) {
     const std::size_t dimensions = planar ? 2 : 3;
     if (points.coordinates() % dimensions != 0) {
         const std::string n = std::to_string(dimensions);
-        refuse_option("points hold " + std::to_string(points.coordinates()) + " coordinates, not a multiple of " + n +
-                      ": the shape must be (N," + n + ")");
+        refuse("points hold " + std::to_string(points.coordinates()) + " coordinates, not a multiple of " + n +
+               ": the shape must be (N," + n + ")");
     }
     const std::size_t count = points.coordinates() / dimensions;
     if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))

@@ -3,6 +3,8 @@
 #include <array>
 #include <string>
 
+#include "core/errors.hpp"
+
 namespace votess {
 namespace {
 
@@ -15,11 +17,12 @@ constexpr std::array reasons{
     Reason{subset, "cells of some seeds do not form a diagram: leave out Options::only"},
     Reason{in_mesh, "cells in a mesh are not whole cells: tessellate without Options::mesh"},
     Reason{flat, "works in three dimensions only"},
+    Reason{in_rings, "draws no polygons with holes: write pieces() as .geojson"},
 };
 
 unsigned properties_of(const Tessellation& t) {
     return (t.probed() ? probed : 0u) | (t.is_subset() ? subset : 0u) | (t.in_mesh() ? in_mesh : 0u) |
-           (t.planar() ? flat : 0u);
+           (t.planar() ? flat : 0u) | (t.in_mesh() && t.planar() ? in_rings : 0u);
 }
 
 }  // namespace
@@ -27,8 +30,7 @@ unsigned properties_of(const Tessellation& t) {
 void require(const Tessellation& tessellation, SupportRow function) {
     const unsigned refused = (*function).refused & properties_of(tessellation);
     for (const Reason& reason : reasons)
-        if ((refused & reason.property) != 0)
-            throw Error(ErrorCode::invalid_argument, std::string((*function).function) + "(): " + reason.text);
+        if ((refused & reason.property) != 0) refuse(std::string((*function).function) + "(): " + reason.text);
 }
 
 }  // namespace votess

@@ -12,10 +12,11 @@ namespace votess {
 
 // What a result may be.
 enum Property : unsigned {
-    probed = 1,   // cells of probes
-    subset = 2,   // of some seeds
-    in_mesh = 4,  // parts of cells in a mesh
-    flat = 8,     // of the plane
+    probed = 1,     // cells of probes
+    subset = 2,     // of some seeds
+    in_mesh = 4,    // parts of cells in a mesh
+    flat = 8,       // of the plane
+    in_rings = 16,  // in a mesh of the plane
 };
 
 struct Support {
@@ -27,8 +28,9 @@ inline constexpr std::array support{
     Support{"count_tiny_faces", probed | subset | in_mesh | flat},
     Support{"delaunay", probed | subset | in_mesh},
     Support{"groups", probed | subset},
+    Support{"masses", probed | in_mesh},
     Support{"network", probed | subset | in_mesh},
-    Support{"picture", probed | subset},
+    Support{"picture", probed | subset | in_rings},
     Support{"verify", probed},
     Support{"watershed", probed | subset},
     Support{"wrapped_points", probed},

@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "core/errors.hpp"
 #include "core/text.hpp"
 #include "votess/votess.hpp"
 
@@ -60,9 +61,8 @@ void add(std::string_view text, Want& want) {
     const Name* name = find(words);
     if (name == nullptr) name = find(arrays);
     if (name == nullptr)
-        throw Error(ErrorCode::invalid_argument, "Options::want has " + in_quotes(std::string(text)) +
-                                                     ": give groups of " + list(words) + ", or arrays of " +
-                                                     list(arrays));
+        refuse("Options::want has " + in_quotes(std::string(text)) + ": give groups of " + list(words) +
+               ", or arrays of " + list(arrays));
     if (name->word != nullptr) want.*name->word = true;
 }
 

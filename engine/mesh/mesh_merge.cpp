@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "core/errors.hpp"
 #include "mesh/mesh_builder.hpp"
 
 namespace votess {
@@ -43,8 +44,8 @@ void FaceMatcher::unite_faces(std::size_t row) {
         const Side a{cell, row, i, face},
             b{other, j, static_cast<std::size_t>(there.id), rows_.find(j, there.seen_from_behind(i)) - rows_.begin(j)};
         if (b.face >= other.faces() || a.count() != b.count())
-            throw Error(ErrorCode::internal, "a bug in votess: cells " + std::to_string(i) + " and " +
-                                                 std::to_string(there.id) + " differ in the face that they share");
+            bug("cells " + std::to_string(i) + " and " + std::to_string(there.id) +
+                " differ in the face that they share");
         unite_sides(a, b, wide(there.shift));
     }
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/system.hpp"
 #include "core/vector3.hpp"
 #include "input/settled.hpp"
@@ -59,10 +60,6 @@ double accurate_sum(std::span<const double> values) {
     }
     // Beyond the largest double the corrections are NaN.
     return std::isfinite(sum[0]) ? sum[0] : std::accumulate(values.begin(), values.end(), 0.0);
-}
-
-[[noreturn]] void bug(const std::string& what) {
-    throw Error(ErrorCode::internal, "a bug in votess, please report it: " + what);
 }
 
 std::size_t sum_of(std::span<const std::uint32_t> lengths) {

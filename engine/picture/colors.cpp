@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/errors.hpp"
 #include "core/text.hpp"
 
 namespace votess::picture {
@@ -191,8 +192,7 @@ Scale choose_scale(std::span<const double> values, std::span<const char> shown, 
         scale.above = sorted.back() > scale.high + slack;
     }
     if (scale.logarithmic && !(scale.low > 0)) {
-        throw Error(ErrorCode::invalid_argument,
-                    "a logarithmic color scale needs values above 0: give a range or take the linear scale");
+        refuse("a logarithmic color scale needs values above 0: give a range or take the linear scale");
     }
     return scale;
 }
@@ -213,12 +213,11 @@ std::vector<Color> color_cells(std::span<const double> values, const Scale& scal
 }
 
 void check_colors(const PictureOptions& options) {
-    if (options.colormap > Colormap::gray) throw Error(ErrorCode::invalid_argument, "picture: no such color map");
+    if (options.colormap > Colormap::gray) refuse("picture: no such color map");
     if (!options.range) return;
     const auto& [low, high] = *options.range;
     if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
-        throw Error(ErrorCode::invalid_argument, "picture: color range " + number(low) + " to " + number(high) +
-                                                     ": give a lower and a higher number");
+        refuse("picture: color range " + number(low) + " to " + number(high) + ": give a lower and a higher number");
     }
 }
 

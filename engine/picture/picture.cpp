@@ -4,7 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "core/text.hpp"
 #include "input/option_name.hpp"
 #include "input/settle.hpp"
@@ -20,10 +21,6 @@
 namespace votess {
 namespace picture {
 namespace {
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 void check_size(const char* name, std::uint32_t pixels) {
     if (pixels < 64 || pixels > 16384) {
@@ -133,12 +130,7 @@ struct PieceMesh {
         lines.assign(3 * triangles, 0);
         for (std::size_t p = 0; p < pieces.size(); ++p) add(pieces, p);
         mesh = {pieces.triangle_offsets, ids, {}, offsets, vertices, pieces.vertices, {}, {}, lines};
-        domain.box = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-        for (std::size_t i = 0; i < pieces.vertices.size(); ++i) {
-            double &lower = domain.box.lower[i % 3], &upper = domain.box.upper[i % 3];
-            lower = std::min(lower, pieces.vertices[i]);
-            upper = std::max(upper, pieces.vertices[i]);
-        }
+        domain.box = votess::bounds_of(pieces.vertices);
         domain.of_pieces = true;
     }
     PieceMesh(const PieceMesh&) = delete;
@@ -250,11 +242,9 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
                                       tessellation.vertices(), box, planar ? std::size_t{2} : std::size_t{3}});
     if (closed) {
         if (!options.skip_open)
-            throw Error(ErrorCode::invalid_argument,
-                        "picture: " + std::to_string(closed->left_out) +
-                            " cells reach infinity: leave them out by PictureOptions::skip_open, or give a box");
-        if (closed->indices.empty())
-            throw Error(ErrorCode::invalid_argument, "picture: all cells reach infinity: give a box");
+            refuse("picture: " + std::to_string(closed->left_out) +
+                   " cells reach infinity: leave them out by PictureOptions::skip_open, or give a box");
+        if (closed->indices.empty()) refuse("picture: all cells reach infinity: give a box");
         mesh = {closed->indptr,       closed->indices,       closed->shifts,
                 closed->face_offsets, closed->face_vertices, tessellation.vertices()};
         if (planar) mesh.corner_begin = closed->cell_vertex_indptr, mesh.corners = closed->cell_vertex_indices;
@@ -280,8 +270,10 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
 Picture render(const Pieces& pieces, const PictureOptions& options) {
     picture::check_look(options);
     picture::check_values(options, pieces.size(), "pieces");
-    if (pieces.size() == 0) throw Error(ErrorCode::invalid_argument, "picture: there are no pieces to draw");
-    if (options.slice) throw Error(ErrorCode::invalid_argument, "picture: pieces have no slice: leave it out");
+    if (pieces.size() == 0) refuse("picture: there are no pieces to draw");
+    if (pieces.centroids.size() != 3 * pieces.size())
+        refuse("picture: pieces of the plane are polygons: write them as .geojson");
+    if (options.slice) refuse("picture: pieces have no slice: leave it out");
     PictureOptions of_pieces = options;
     of_pieces.wall_cells = WallCells::show;
     of_pieces.frame = false;

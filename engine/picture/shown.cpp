@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 
 namespace votess::picture {
 namespace {
@@ -10,16 +10,9 @@ namespace {
 constexpr double dwarfing = 8;  // times the others' median volume
 
 Box bounds_of(const Mesh& mesh, std::size_t cell) {
-    Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t f = mesh.first_face(cell); f < mesh.end_face(cell); ++f) {
-        for (const std::int32_t v : mesh.polygon(f)) {
-            const Vec3 p = mesh.vertex(v);
-            for (std::size_t k = 0; k < 3; ++k) {
-                box.lower[k] = std::min(box.lower[k], p[k]);
-                box.upper[k] = std::max(box.upper[k], p[k]);
-            }
-        }
-    }
+    Box box = empty_box;
+    for (std::size_t f = mesh.first_face(cell); f < mesh.end_face(cell); ++f)
+        for (const std::int32_t v : mesh.polygon(f)) include(box, mesh.vertex(v));
     return box;
 }
 
@@ -83,11 +76,7 @@ Shown choose_cells(const Mesh& mesh, const Box& domain, WallCells wall_cells, Th
     shown.bounds = {domain.upper, domain.lower};
     for (std::size_t i = 0; i < n; ++i) {
         shown.cells[i] = inner(i);
-        if (!shown.cells[i]) continue;
-        for (std::size_t k = 0; k < 3; ++k) {
-            shown.bounds.lower[k] = std::min(shown.bounds.lower[k], boxes[i].lower[k]);
-            shown.bounds.upper[k] = std::max(shown.bounds.upper[k], boxes[i].upper[k]);
-        }
+        if (shown.cells[i]) include(shown.bounds, boxes[i]);
     }
     return shown;
 }

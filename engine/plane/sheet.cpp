@@ -19,6 +19,8 @@ using detail::Result;
 // Height over the mean distance of the points. Large ones slow dense clusters, small ones all cells: for 1e5 points
 // uniform and in 50 clusters 2^-5 was best on the whole.
 constexpr double relative_height = 0x1p-5;
+// Height of the prism of a mesh over that of the sheet. Its caps then lie beyond most cells.
+constexpr double relative_prism = 0x1p9;
 
 std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
@@ -35,6 +37,17 @@ Box bounds_of_plane(const Points& points) {
             bounds.upper[k] = std::max(bounds.upper[k], x);
         }
     return bounds;
+}
+
+// Widens bounds so that they hold the vertices of a mesh of the plane.
+void include(const TriangleMesh& rings, Box& bounds) {
+    for (std::size_t i = 0; i + 1 < rings.vertices.size(); i += 2)
+        for (std::size_t k = 0; k < 2; ++k) {
+            const double x = rings.vertices[i + k];
+            if (!std::isfinite(x)) continue;  // Prism refuses it
+            bounds.lower[k] = std::min(bounds.lower[k], x);
+            bounds.upper[k] = std::max(bounds.upper[k], x);
+        }
 }
 
 // Returns the box of `count` points of the plane.
@@ -80,10 +93,12 @@ Sheet::Sheet(Settled planar)
     in_space_.points = {points_, {}};
 }
 
-Sheet::Sheet(const Box& bounds, std::uint64_t count, Settled planar)
+Sheet::Sheet(const Box& of_points, std::uint64_t count, Settled planar)
     : in_space_(std::move(planar)), wanted_(in_space_.want), list_walls_(in_space_.list_walls) {
     Region& region = in_space_.region;
     const bool endless = EndlessSides(region).any();
+    Box bounds = of_points;
+    if (region.mesh) include(*region.mesh, bounds), count = std::max<std::uint64_t>(count, 1);
     double width = 0, length = 0;
     if (region.cell) {
         const auto &a = region.cell->a, &b = region.cell->b;
@@ -102,6 +117,7 @@ Sheet::Sheet(const Box& bounds, std::uint64_t count, Settled planar)
         std::sqrt(width) * std::sqrt(length) / std::sqrt(static_cast<double>(std::max<std::uint64_t>(count, 1)));
     if (distance > 0 && std::isfinite(distance)) height_ = std::ldexp(relative_height, std::ilogb(distance));
     region = in_sheet(std::move(region), height_);
+    if (region.mesh) region.mesh = prism_.emplace(*region.mesh, relative_prism * height_).view();
     in_space_.min_area *= 2 * height_;
     add_sheet_wants(in_space_.want, in_space_.list_walls);
     imply(in_space_);
@@ -161,7 +177,7 @@ void flatten_rows(Result& r, double thickness, const Want& wanted, bool list_wal
                     if (v >= 0) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
             if (stays[e]) edges.push_back(upper_edge(polygon, corner));
         }
-        if (wanted.surfaces) r.surface_areas[i] = perimeter;
+        if (wanted.surfaces) r.surface_areas[i] = perimeter + (r.mesh_areas.empty() ? 0 : r.mesh_areas[i] / thickness);
         if (has_faces) r.cell_vertex_indptr[i + 1] = polygons;
     }
     r.cell_vertex_indices.resize_uninitialized(at(polygons));
@@ -182,7 +198,7 @@ void flatten(Result& result, double thickness, const Want& wanted, bool list_wal
     const std::size_t count = result.status.size();
     flatten_rows(result, thickness, wanted, list_walls);
     detail::drop_third_components(result);
-    for (auto* measures : {&result.volumes, &result.face_areas})
+    for (auto* measures : {&result.volumes, &result.face_areas, &result.mesh_areas})
         for (double& x : *measures) x /= thickness;
     for (std::size_t i = 0; i < result.face_counts.size(); ++i) {
         if (result.face_counts[i] == 0) continue;
@@ -206,7 +222,7 @@ void flatten(Result& result, double thickness, const Want& wanted, bool list_wal
     const std::uint64_t cells = count - stats.empty_cells;
     stats.volume_sum /= thickness;
     stats.box_volume /= thickness;
-    stats.faces -= Sheet::more_faces * cells;
+    if (!result.mesh_cells) stats.faces -= Sheet::more_faces * cells;
     stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
 }
 

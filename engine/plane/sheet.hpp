@@ -4,11 +4,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "input/settled.hpp"
+#include "plane/prism.hpp"
 #include "result/result.hpp"
 #include "votess/votess.hpp"
 
@@ -39,8 +41,8 @@ class Sheet {
 public:
     // planar: with whole points, (N, 2).
     explicit Sheet(Settled planar);
-    // A sheet without points, for those that come in parts. bounds: of all `count` points.
-    Sheet(const Box& bounds, std::uint64_t count, Settled planar);
+    // A sheet without points, for those that come in parts. of_points: bounds of all `count` points.
+    Sheet(const Box& of_points, std::uint64_t count, Settled planar);
 
     // Returns the run in space, with points (N, 3) of the sheet.
     [[nodiscard]] const Settled& in_space() const { return in_space_; }
@@ -58,6 +60,7 @@ public:
 
 private:
     std::vector<double> points_;
+    std::optional<Prism> prism_;  // of the mesh; in_space() refers to it
     Settled in_space_;
     Want wanted_;      // of the plane
     bool list_walls_;  // of the plane

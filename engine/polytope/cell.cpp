@@ -24,6 +24,8 @@ constexpr int few_slots = 256;         // of a cell whose vertices are all compa
 constexpr int steps_at_first = 16;     // of a climb, before it starts again from the best of a sample
 constexpr std::int32_t no_plane = -1;  // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
+constexpr double term_error = 32 * unit;  // of a term of Cramer's rule: 17 u, and the sum
+constexpr double underflow = 0x1p-1060;   // above the rounding of terms of minors that underflow
 // Covers the rounding of squared lengths and distances, and the outward rounding of a box.
 constexpr double radius_slack = 1 + 32 * unit;
 // The largest relative error of a vertex.
@@ -309,24 +311,25 @@ bool Cell::in_reach(const Box& relative, double more) const {
 
 // A seed q cuts off v when s |q|^2 - 2 q.X < more, with X = v + move and s = shrink of the view. Along each axis the
 // sum is least at q = X / s or at an end of the box. The terms are rounded by 4 u of their sizes. An error t of X moves
-// that q by at most t / s, and the sum by 2 (|q| + 3 t / s) t.
+// the sum by 2 |q| t, where q is that of an X within t.
 bool Cell::may_cut(const Box& relative, double more, const LiftedView& view) {
     bool found = false;
     const double inverse = 1 / view.shrink;
     for_each_alive([&](int slot) {
-        const double v[3] = {x_[slot], y_[slot], z_[slot]};
-        double sum = 0, size = 0, length = 0, t = tolerance_[slot];
+        const Refined& vertex = by_axis(slot);
+        double sum = 0, size = 0, moved = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double x = v[k] + view.move[k];
-            const double q = std::clamp(x * inverse, relative.lower[k], relative.upper[k]), shrunk = view.shrink * q;
+            const double lower = relative.lower[k], upper = relative.upper[k], x = vertex.at[k] + view.move[k];
+            const double t = vertex.error[k] + unit * (8 * std::abs(view.move[k]) + 2 * std::abs(x));
+            const double q = std::clamp(x * inverse, lower, upper), shrunk = view.shrink * q;
             const double term = q * (shrunk - 2 * x);
             sum += term;
             size += std::abs(term) + q * shrunk;
-            length += std::abs(q);
-            t += unit * (8 * std::abs(view.move[k]) + 2 * std::abs(x));
+            const double least = std::clamp((x - t) * inverse, lower, upper);
+            const double most = std::clamp((x + t) * inverse, lower, upper);
+            moved += std::max(std::abs(least), std::abs(most)) * t;
         }
-        const double slack =
-            8 * unit * (size + std::abs(more)) + 2 * (length + 3 * t * inverse) * t * (1 + 8 * unit) + smallest_radius;
+        const double slack = 8 * unit * (size + std::abs(more)) + 2 * moved * (1 + 8 * unit) + smallest_radius;
         found = found || !(sum > more + slack);
     });
     if (found && ++passed_ == passed_before_sharpening) sharpen();
@@ -376,6 +379,55 @@ void Cell::drop_if_flat() {
     }
 }
 
+// Cramer's rule again, with the terms of each coordinate in place of the length of the vertex: where the normals have
+// no part along an axis, a long coordinate there does not blur the others.
+const Cell::Refined& Cell::by_axis(int slot) {
+    Refined& vertex = refined_[slot];
+    if (vertex.split) return vertex;
+    vertex.split = true;
+    vertex.at = position(slot);
+    vertex.error.fill(tolerance_[slot]);
+    const auto planes = corner_planes(slot);
+    if (!planes[0]->reliable || !planes[1]->reliable || !planes[2]->reliable) return vertex;
+    std::array<double, 3> sum{}, size{};
+    double determinant = 0, determinant_size = 0, heights = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const CellPlane &p = *planes[i], &q = *planes[(i + 1) % 3], &r = *planes[(i + 2) % 3];
+        heights += std::abs(p.h);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            const double first = (q.unit * q.n[l]) * (r.unit * r.n[m]), second = (q.unit * q.n[m]) * (r.unit * r.n[l]);
+            const double minor = first - second, minor_size = std::abs(first) + std::abs(second);
+            sum[k] += p.h * minor;
+            size[k] += std::abs(p.h) * minor_size;
+            if (i != 0) continue;
+            determinant += p.unit * p.n[k] * minor;
+            determinant_size += std::abs(p.unit * p.n[k]) * minor_size;
+        }
+    }
+    const double least = std::max(smallest_product, 2 * term_error * determinant_size);
+    if (!(std::abs(determinant) > least)) return vertex;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double x = sum[k] / determinant;
+        const double terms = term_error * (size[k] + std::abs(x) * determinant_size) + underflow * (1 + heights);
+        const double error = 2 * terms / std::abs(determinant);
+        if (error < vertex.error[k]) vertex.at[k] = x, vertex.error[k] = error;
+    }
+    return vertex;
+}
+
+int Cell::side_by_axis(int slot, const CellPlane& plane) {
+    if (!plane.reliable) return 0;
+    const Refined& vertex = by_axis(slot);
+    double excess = -plane.h, bound = 12 * unit * std::abs(plane.h) + smallest_height;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double n = plane.unit * plane.n[k];
+        excess += n * vertex.at[k];
+        bound += std::abs(n) * (vertex.error[k] + 6 * unit * std::abs(vertex.at[k]));
+    }
+    return excess > bound ? 1 : excess < -bound ? -1 : 0;
+}
+
 int Cell::refined_side(int slot, const CellPlane& plane) {
     using exact::DoubleDouble;
     Refined& vertex = refined_[slot];
@@ -409,6 +461,7 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
 
 int Cell::side_exact(int slot, const CellPlane& plane) {
     used_exact_ = true;
+    if (const int side = side_by_axis(slot, plane); side != 0) return side;
     if (const int refined = refined_side(slot, plane); refined != 0) return refined;
     const auto& [a, b, c] = corners_[slot].plane;
     const int side =
@@ -445,7 +498,8 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
     const double product = (a_unit * pa.norm) * (b_unit * pb.norm) * (c_unit * pc.norm);
     const double condition = product * std::abs(inverse);
     double x, y, z, factor;
-    refined_[slot].tests = 0, refined_[slot].solved = false;
+    refined_[slot].tests = 0;
+    refined_[slot].solved = refined_[slot].split = false;
     if (!sharp_ && condition < worst_condition && product > smallest_product && pa.reliable && pb.reliable &&
         pc.reliable) {
         x = (pa.h * bcx + pb.h * cax + pc.h * abx) * inverse;

@@ -104,7 +104,8 @@ public:
     // their weight over the cell's.
     [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
     // Slower, and sharp even if the box is much nearer than the vertices, like the images along the short edge of a
-    // thin box. After many calls it solves the vertices exactly. view: `more` is then the excess of rests.
+    // thin box, or seeds in a plane. After many calls it solves the vertices exactly. view: `more` is then the excess
+    // of rests.
     [[nodiscard]] bool may_cut(const Box& relative, double more, const LiftedView& view = {});
     // Whether planes() includes this bisector, with a face or without.
     [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;
@@ -144,8 +145,9 @@ private:
     };
     struct Refined {  // gains precision with the number of uncertain tests
         int tests = 0;
-        bool solved = false;
+        bool solved = false, split = false;
         std::array<exact::DoubleDouble, 3> position{};
+        std::array<double, 3> at{}, error{};  // by axis, see by_axis()
     };
     struct RefinedPlane {
         std::int32_t id;
@@ -171,6 +173,11 @@ private:
     void reserve_slots(int slots);
     [[nodiscard]] VertexBlock block(int word) const;
     [[nodiscard]] int side_exact(int slot, const CellPlane& plane);
+    // Returns the position of a vertex with an error by axis. A vertex at the end of a needle is as sharp across it as
+    // the needle is thin, however long that is.
+    const Refined& by_axis(int slot);
+    // Returns the sign of the test by these errors, or 0 if that is uncertain.
+    [[nodiscard]] int side_by_axis(int slot, const CellPlane& plane);
     // Returns the sign of the refined test, or 0 if that is uncertain too.
     [[nodiscard]] int refined_side(int slot, const CellPlane& plane);
     int allocate_slot();

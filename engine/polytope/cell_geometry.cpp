@@ -6,6 +6,7 @@
 #include <span>
 #include <type_traits>
 
+#include "core/sum.hpp"
 #include "polytope/cell.hpp"
 #include "polytope/cell_polygons.hpp"
 #include "polytope/cell_shape.hpp"
@@ -28,20 +29,7 @@ double square(const Vector<Real>& a) {
 // bisector h = |n|^2 / 2.
 template <class Real>
 struct Sums {
-    // A sum whose rounding does not grow with the number of terms (Knuth).
-    struct Sum {
-        Real high = 0, rest = 0;
-
-        void operator+=(const Real& x) {
-            const Real sum = high + x;
-            if constexpr (roundoff < Real >> 0) {
-                const Real added = sum - high;
-                rest += (high - (sum - added)) + (x - added);
-            }
-            high = sum;
-        }
-        [[nodiscard]] Real total() const { return high + rest; }
-    };
+    using Sum = AccurateSum<Real, roundoff<Real> == 0>;
     Sum volume;
     std::array<Sum, 3> moment;  // integral of x over the cell
 
@@ -51,9 +39,9 @@ struct Sums {
     }
     [[nodiscard]] CellGeometry geometry() const {
         CellGeometry g;
-        const Real all = volume.total();
+        const Real all = volume.value();
         g.volume = static_cast<double>(all);
-        for (int k = 0; k < 3; ++k) g.centroid[k] = static_cast<double>(moment[k].total() / all);
+        for (int k = 0; k < 3; ++k) g.centroid[k] = static_cast<double>(moment[k].value() / all);
         return g;
     }
 };
@@ -240,7 +228,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
             error += gradient.volume_error();
             surface_error += gradient.surface_error();
         }
-        const auto volume = static_cast<double>(sums.volume.total());
+        const auto volume = static_cast<double>(sums.volume.value());
         if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
         if (areas != nullptr && !(std::max(worst_area, surface_error) <= accepted_error * surface)) return std::nullopt;
     }

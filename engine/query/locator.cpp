@@ -4,7 +4,8 @@
 #include <bit>
 #include <cmath>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "domain/lattice_reach.hpp"
 #include "index/seed_images.hpp"
 
@@ -13,16 +14,6 @@ namespace {
 
 constexpr double unit = 0x1p-53;
 constexpr double tiny = 1e-290;  // above the underflow of a square
-
-// Squared distance of a point from a box.
-double distance_squared(const exact::Point& x, const Box& box) {
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
-        sum += gap * gap;
-    }
-    return sum;
-}
 
 }  // namespace
 
@@ -46,9 +37,7 @@ std::optional<Place> Locator::place(const exact::Point& x, std::size_t number) c
     if (!std::ranges::all_of(domain_.walls, [&](const exact::Plane& wall) { return inside(wall, x); }))
         return std::nullopt;
     const auto place = place_in(domain_, x);
-    if (!place)
-        throw Error(ErrorCode::invalid_argument,
-                    "query " + std::to_string(number) + " lies more than 500 million periods away from the box");
+    if (!place) refuse("query " + std::to_string(number) + " lies more than 500 million periods away from the box");
     return place;
 }
 
@@ -165,7 +154,7 @@ void Locator::push_far(const ImageNode& node) {
     const double weight = node.level < 0 && !seeds_.weights.empty()
                               ? seeds_.weights[node.node]
                               : hierarchy_.largest_weight(std::max(node.level, 0), node.node);
-    if (distance_squared({}, images) <= reach_squared(weight)) far_.push_back(node);
+    if (distance_squared(Vector3{}, images) <= reach_squared(weight)) far_.push_back(node);
 }
 
 // Searches images that are not among the sorted seeds, for points far from every seed.

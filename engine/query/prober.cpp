@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/box.hpp"
 #include "core/progress.hpp"
 
 namespace votess::cpu {
@@ -29,12 +30,9 @@ std::size_t Prober::look_around(std::span<const Probe> probes) {
     std::size_t count = 1;
     for (; count < std::min(probes.size(), max_together); ++count) {
         Box larger = box;
+        include(larger, probes[count].place.at);
         double side = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            larger.lower[k] = std::min(box.lower[k], probes[count].place.at[k]);
-            larger.upper[k] = std::max(box.upper[k], probes[count].place.at[k]);
-            side = std::max(side, larger.upper[k] - larger.lower[k]);
-        }
+        for (std::size_t k = 0; k < 3; ++k) side = std::max(side, larger.upper[k] - larger.lower[k]);
         if (side > longest) break;
         box = larger;
         lightest = std::min(lightest, probes[count].weight);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/box.hpp"
+
 namespace votess::detail {
 namespace {
 
@@ -30,8 +32,7 @@ std::optional<ClosedRows> closed_rows(const RowsWithPolygons& rows) {
         if (open[i]) ++out.left_out;
     }
     if (out.left_out == 0) return std::nullopt;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    out.bounds = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    out.bounds = empty_box;
     for (std::size_t i = 0; i < cells; ++i) {
         for (auto e = at(rows.indptr[i]); e < at(rows.indptr[i + 1]) && !open[i]; ++e) {
             const std::int32_t id = rows.indices[e];

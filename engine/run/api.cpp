@@ -179,7 +179,8 @@ Want implied_want(const Options& options) {
     const Settled run = settle(options);
     if (run.region.mesh) {
         solid::check_want(run.want);
-        (void)solid::ClosedMesh(*run.region.mesh);
+        std::optional<Prism> prism;
+        (void)solid::ClosedMesh(run.region.planar ? prism.emplace(*run.region.mesh, 1).view() : *run.region.mesh);
     }
     return run.want;
 }

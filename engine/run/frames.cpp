@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/errors.hpp"
 #include "core/system.hpp"
 #include "core/text.hpp"
 #include "gpu/device_choice.hpp"
@@ -21,10 +22,6 @@ namespace votess {
 #if VOTESS_HAVE_VULKAN
 
 namespace {
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 void check_options(const Options& options) {
     const auto refuse_if = [](bool set, const char* name, const char* why) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 
 namespace votess::solid {
 namespace {
@@ -43,7 +44,7 @@ double solid_angle(const Vector3& a, const Vector3& b, const Vector3& c) {
 }
 
 [[noreturn]] void open_piece() {
-    throw Error(ErrorCode::internal, "a bug in votess, please report it: a piece of a cell is not closed");
+    bug("a piece of a cell is not closed");
 }
 
 }  // namespace

@@ -8,35 +8,24 @@
 #include <string>
 #include <utility>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
+#include "core/sum.hpp"
 #include "core/text.hpp"
+#include "exact/double_double.hpp"
 #include "exact/integer/big_int.hpp"
 #include "exact/integer/rows.hpp"
 #include "input/option_name.hpp"
 #include "solid/mesh_signs.hpp"
-#include "solid/sum.hpp"
 
 namespace votess::solid {
 namespace {
 
-constexpr Box nowhere{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::uint32_t leaf_triangles = 4;
 constexpr double max_tolerance = 0.01;
 constexpr double thin = 1e-6;            // of the sine of a triangle's angle: its plane is then not used
 constexpr double sure_volume = 1e-3;     // of the terms it sums: the sum then has 1e-12 of it right
 constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, option("mesh") + ": " + message);
-}
-
-void include(Box& box, const exact::Point& x) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = std::min(box.lower[k], x[k]);
-        box.upper[k] = std::max(box.upper[k], x[k]);
-    }
-}
 
 // An edge of a triangle, from its lower vertex.
 struct Edge {
@@ -87,8 +76,17 @@ std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> triangle) {
 
 }  // namespace
 
-ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
-    const auto shape = [](const char* what, std::size_t size, const char* rows) {
+ClosedMesh::ClosedMesh(const TriangleMesh& given) : ClosedMesh(given, option("mesh")) {
+    check_closed();
+    find_volume();
+}
+
+void ClosedMesh::refuse(const std::string& message) const {
+    throw Error(ErrorCode::invalid_argument, name_ + ": " + message);
+}
+
+ClosedMesh::ClosedMesh(const TriangleMesh& given, std::string name) : name_(std::move(name)), bounds_(empty_box) {
+    const auto shape = [&](const char* what, std::size_t size, const char* rows) {
         if (size % 3 != 0)
             refuse(std::string(what) + " hold " + std::to_string(size) +
                    " numbers, not a multiple of 3: the shape must be " + rows);
@@ -97,7 +95,7 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
     };
     shape("vertices", given.vertices.size(), "(V,3)");
     shape("triangles", given.triangles.size(), "(T,3)");
-    if (given.triangles.empty()) refuse("it has no triangles: give a closed surface, of at least 4");
+    if (given.triangles.empty()) refuse("it has no triangles: give a surface");
     vertices_.resize(given.vertices.size() / 3);
     for (std::size_t v = 0; v < vertices_.size(); ++v)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -117,19 +115,16 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
     find_bounds();
     merged_ = given.merge;
     if (!(given.tolerance >= 0 && given.tolerance <= max_tolerance))
-        throw Error(ErrorCode::invalid_argument, option("mesh.tolerance") + " is " + number(given.tolerance) +
+        throw Error(ErrorCode::invalid_argument, name_ + ".tolerance is " + number(given.tolerance) +
                                                      ": give a share of the mesh's size, from 0 to " +
                                                      number(max_tolerance));
     if (given.tolerance > 0 && !merged_)
-        throw Error(ErrorCode::invalid_argument,
-                    option("mesh.tolerance") + " needs " + option("mesh.merge") + ": set both");
+        throw Error(ErrorCode::invalid_argument, name_ + ".tolerance needs " + name_ + ".merge: set both");
     if (merged_) merge_vertices(given.tolerance);
-    check_closed();
-    find_volume();
 }
 
 void ClosedMesh::find_bounds() {
-    bounds_ = nowhere;
+    bounds_ = empty_box;
     for (const auto& triangle : given_)
         for (const std::int32_t v : triangle) include(bounds_, vertex(v));
 }
@@ -262,11 +257,41 @@ void ClosedMesh::find_volume() {
     }
     double volume = sum.value();
     volume_ = volume * length * length * length;
-    if (!(std::abs(volume) > sure_volume * size)) volume = volume_ = exact_volume();
+    if (!(std::abs(volume) > sure_volume * size)) {  // as of the high prism over polygons
+        volume = volume_ = long_volume(length);
+        if (std::isnan(volume)) volume = volume_ = exact_volume();
+    }
     if (volume == 0) refuse("it encloses no volume");
     if (volume < 0)
         refuse("its triangles face inward, so that it encloses the volume " + number(volume_) +
                ": reverse the vertices of each");
+}
+
+// In two doubles. NaN if the digits do not suffice for a rounded sum.
+double ClosedMesh::long_volume(double length) const {
+    using exact::DoubleDouble;
+    constexpr double sure = 0x1p-40;
+    const int power = -std::ilogb(length);  // so that no product leaves the range
+    const exact::Point& first = vertex(given_.front()[0]);
+    DoubleDouble six_fold;
+    double size = 0;
+    for (const auto& t : given_) {
+        std::array<std::array<DoubleDouble, 3>, 3> x;
+        double bound = 1;
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t k = 0; k < 3; ++k)
+                x[i][k] = exact::two_sum(std::ldexp(vertex(t[i])[k], power), -std::ldexp(first[k], power));
+            bound *= length3(x[i][0].high, x[i][1].high, x[i][2].high);
+        }
+        const auto minor = [&](std::size_t k, std::size_t l) {
+            const DoubleDouble p = x[1][k] * x[2][l], q = x[1][l] * x[2][k];
+            return p + DoubleDouble{-q.high, -q.low};
+        };
+        six_fold = six_fold + (x[0][0] * minor(1, 2) + x[0][1] * minor(2, 0) + x[0][2] * minor(0, 1));
+        size += bound;
+    }
+    if (!(std::abs(six_fold.high) > sure * size)) return std::numeric_limits<double>::quiet_NaN();
+    return std::ldexp((six_fold.high + six_fold.low) / 6, -3 * power);
 }
 
 double ClosedMesh::exact_volume() const {
@@ -318,7 +343,7 @@ void ClosedMesh::scale_by(double scale) {
 }
 
 void ClosedMesh::make_tree() {
-    std::vector<Box> boxes(triangles_.size(), nowhere);
+    std::vector<Box> boxes(triangles_.size(), empty_box);
     for (std::size_t t = 0; t < boxes.size(); ++t)
         for (const std::int32_t v : triangles_[t].vertex) include(boxes[t], vertex(v));
     std::vector<std::uint32_t> order(boxes.size());
@@ -337,13 +362,12 @@ void ClosedMesh::make_tree() {
 
 void ClosedMesh::split(std::uint32_t at, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
                        const std::vector<Box>& boxes) {
-    Box box = nowhere, middles = nowhere;
+    Box box = empty_box, middles = empty_box;
     const auto twice_middle = [&](std::uint32_t t, std::size_t k) { return boxes[t].lower[k] + boxes[t].upper[k]; };
     for (std::uint32_t i = begin; i < end; ++i) {
         const std::uint32_t t = order[i];
-        include(box, boxes[t].lower);
-        include(box, boxes[t].upper);
-        include(middles, {twice_middle(t, 0), twice_middle(t, 1), twice_middle(t, 2)});
+        include(box, boxes[t]);
+        include(middles, Vector3{twice_middle(t, 0), twice_middle(t, 1), twice_middle(t, 2)});
     }
     nodes_[at].box = box;
     if (end - begin <= leaf_triangles) {

@@ -16,6 +16,8 @@ namespace votess::solid {
 class ClosedMesh {
 public:
     explicit ClosedMesh(const TriangleMesh& given);
+    // Reads a surface that need not be closed or oriented alike. name: for messages.
+    static ClosedMesh any_surface(const TriangleMesh& given, const std::string& name) { return {given, name}; }
 
     // Multiplies coordinates by a power of two, and makes the tree. Throws invalid_argument if that loses bits.
     void scale_by(double scale);
@@ -64,6 +66,9 @@ public:
     [[nodiscard]] bool any_near(const exact::Point& x, double distance) const;
 
 private:
+    // Checks and merges, without the demand that the mesh bounds a volume.
+    ClosedMesh(const TriangleMesh& given, std::string name);
+    [[noreturn]] void refuse(const std::string& message) const;
     static constexpr std::size_t max_depth = 96;
     struct Node {
         Box box;
@@ -78,11 +83,13 @@ private:
     [[nodiscard]] std::string between(std::int32_t a, std::int32_t b, const char* word) const;
     void check_closed() const;
     void find_volume();
+    [[nodiscard]] double long_volume(double length) const;
     [[nodiscard]] double exact_volume() const;
     void make_tree();
     void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
                const std::vector<Box>& boxes);
 
+    std::string name_;
     std::vector<exact::Point> vertices_;
     std::vector<std::array<std::int32_t, 3>> given_;
     std::vector<Triangle> triangles_;

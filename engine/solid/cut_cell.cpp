@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
 
 namespace votess::solid {
@@ -187,7 +188,7 @@ void CutCell::add_half(std::int32_t from, std::int32_t to, std::int32_t face) {
 }
 
 void CutCell::find_candidates() {
-    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    Box bounds = empty_box;
     for (const std::int32_t slot : slots_)
         for (std::size_t k = 0; k < 3; ++k) {
             const double x = cell_.position(slot)[k] + origin_[k];

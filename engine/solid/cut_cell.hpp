@@ -25,6 +25,7 @@
 #include <span>
 #include <vector>
 
+#include "core/sum.hpp"
 #include "domain/domain.hpp"
 #include "polytope/cell.hpp"
 #include "solid/closed_mesh.hpp"
@@ -32,7 +33,6 @@
 #include "solid/exact_places.hpp"
 #include "solid/layers.hpp"
 #include "solid/mesh_signs.hpp"
-#include "solid/sum.hpp"
 
 namespace votess::solid {
 

@@ -19,12 +19,16 @@ namespace votess::solid {
 struct MeshCells {
     explicit MeshCells(std::shared_ptr<const ClosedMesh> of_cells) : kept(std::move(of_cells)), mesh(*kept) {}
 
+    static constexpr std::int32_t below = -5, above = -6;        // walls of a sheet
     static constexpr int cut = std::numeric_limits<int>::min();  // instead of the winding number of a cell
 
     std::shared_ptr<const ClosedMesh> kept;
     const ClosedMesh& mesh;  // times scale
     std::shared_ptr<const Domain> domain;
     double scale = 1;
+    // Half of the height of a sheet, times scale; 0 for cells in space. The domain is then higher. The mirror images of
+    // a seed bound its cell instead of walls, which do not cut a mesh.
+    double half_height = 0;
     std::vector<double> seeds;        // 3N, times scale
     std::vector<double> weights;      // N, times scale squared; or none
     std::vector<exact::Shift> wraps;  // by seed: into a periodic domain; empty if all lie inside
@@ -38,6 +42,16 @@ struct MeshCells {
     std::vector<std::size_t> image_offsets;
     std::vector<exact::Shift> image_shifts;  // from places inside the domain
     std::vector<int> winding;                // by image: of plain ones; `cut` for others
+
+    // Prepares for the cells of a sheet, whose domain is set.
+    void raise() {
+        Box box = domain->box;
+        half_height = box.upper[2];
+        for (double* z : {&box.lower[2], &box.upper[2]}) *z *= 4;
+        Domain higher = box_domain(box, domain->periodic);
+        higher.weights = domain->weights;
+        domain = std::make_shared<const Domain>(std::move(higher));
+    }
 
     [[nodiscard]] std::size_t rows() const { return indptr.empty() ? 0 : indptr.size() - 1; }
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
@@ -102,6 +116,9 @@ struct MeshCells {
         std::ranges::sort(near, {}, [](const Neighbor& j) { return std::pair(j.square, j.entry); });
         for (const auto& [square, entry] : near)
             cell.add(indices[entry], bisector(entry), shift(entry), weight(indices[entry]), gap * std::sqrt(square));
+        if (half_height == 0) return;
+        for (const auto& [wall, z] : {std::pair(below, -2 * half_height), std::pair(above, 2 * half_height)})
+            cell.add(wall, exact::Plane::bisector({x[0], x[1], z}, {}, domain->lattice), {}, weight(seed));
     }
 };
 

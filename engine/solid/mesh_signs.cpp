@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/vector3.hpp"
+#include "votess/votess.hpp"
 
 namespace votess::solid {
 namespace {
@@ -57,7 +59,7 @@ int cross_sign_in(const exact::Point& u, const exact::Point& v, const exact::Poi
 
 }  // namespace
 
-void MeshSigns::add(const exact::Plane& bisector) {
+void MeshSigns::add(const exact::Plane& bisector, std::int32_t rank) {
     Bisector b{};
     const auto difference = exact::differences(seed_, bisector).x;
     for (std::size_t k = 0; k < 3; ++k) b.n[k] = difference[k].high;
@@ -66,6 +68,7 @@ void MeshSigns::add(const exact::Plane& bisector) {
     b.size = square + std::abs(bisector.power.high);
     bisectors_.push_back(b);
     sources_.push_back(bisector);
+    ranks_.push_back(rank);
 }
 
 void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {
@@ -75,7 +78,7 @@ void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {
     value.sign = sign;
     if (!value.tie) return;
     value.s = value.error = 0;
-    value.sign = sign_of_step(k);
+    value.sign = rank_ < 0 ? sign_of_step(k) : ranks_[k] < rank_ ? 1 : -1;
     if (value.sign != 0) return;
     const std::array<double, 3>& n = bisectors_[k].n;
     std::size_t axis = 0;
@@ -185,6 +188,7 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
         if (upright) value[r][count - 1] = exact::resize<2 * W>(n[r][2]);
     }
     if (const int sign = determinant_of<2 * W>(count, value).sign(); sign != 0) return sign;
+    ++ties_;
     if (count == 1) return 2;
     // step: by which the values of each row grow.
     const auto sign_after = [&](const std::array<WideInt<2 * W>, 3>& step) {
@@ -196,6 +200,7 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
         }
         return sum.sign();
     };
+    if (rank_ >= 0) return rank_sign<2 * W>(count, rows, sign_after);
     if (const int sign = sign_after(shrunk); sign != 0) return sign;
     for (int axis = 0; axis < 3; ++axis) {
         std::array<WideInt<2 * W>, 3> step;
@@ -203,6 +208,21 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
         if (const int sign = sign_after(step); sign != 0) return sign;
     }
     return -1;  // of planes that share a line, and do not all have faces
+}
+
+template <int W, class SignAfter>
+int MeshSigns::rank_sign(int count, const std::array<std::size_t, 3>& rows, SignAfter sign_after) const {
+    for (std::int32_t last = -1, next = rank_;; last = next) {
+        next = rank_ > last ? rank_ : std::numeric_limits<std::int32_t>::max();  // the lowest above the last
+        for (int r = 0; r < count; ++r)
+            if (ranks_[rows[r]] > last) next = std::min(next, ranks_[rows[r]]);
+        if (next == std::numeric_limits<std::int32_t>::max()) break;
+        std::array<WideInt<W>, 3> step;
+        for (int r = 0; r < count; ++r)
+            step[r] = exact::from_int128<W>((ranks_[rows[r]] == next ? 1 : 0) - (rank_ == next ? 1 : 0));
+        if (const int sign = sign_after(step); sign != 0) return sign;
+    }
+    throw Error(ErrorCode::internal, "ranks do not decide a tie");
 }
 
 int MeshSigns::crossing_order(std::size_t a, std::size_t b, const Places& u, const Places& v) const {

@@ -19,6 +19,11 @@
 // (e^2, e^3, e^4) (Edelsbrunner and Mücke, ACM TOG 9(1), 1990). So no four planes meet, and a triangle that meets a
 // cell meets its interior. The center is the seed, or another place where weights put the seed outside of its cell.
 //
+// With ranks of seeds, ties have another rule, by which cells tile a surface: the weight of each seed counts as larger
+// by less than any number, most for the lowest rank. Then s_k(u) grows with the weight of the neighbor, and falls with
+// that of the seed, the same in a row. The coefficient of each such step is a determinant of lower order, so no sign is
+// 0.
+//
 // Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
 // float64 input.
 #pragma once
@@ -52,16 +57,21 @@ public:
     using Values = std::array<Value, 3>;  // at the vertices of a triangle
     using Places = std::array<Place, 3>;
 
-    // image: the seed's place in the mesh, as if it were a bisector's.
-    void begin(const exact::Point& seed, const exact::Plane& image) {
+    // image: the seed's place in the mesh, as if it were a bisector's. rank: of the seed, if ranks decide ties.
+    void begin(const exact::Point& seed, const exact::Plane& image, std::int32_t rank = -1) {
         seed_ = seed;
         image_ = image;
         center_ = {};
         centered_ = true;
         bisectors_.clear();
         sources_.clear();
+        ranks_.clear();
+        rank_ = rank;
     }
-    void add(const exact::Plane& bisector);
+    // rank: of the neighbor, other than all before.
+    void add(const exact::Plane& bisector, std::int32_t rank = -1);
+    // Returns how many signs were decided as ties so far.
+    [[nodiscard]] std::size_t ties() const { return ties_; }
     // Sets the center after all bisectors: the seed, or `middle`, relative to it. If neither lies inside for sure, the
     // seed is the center, and some planes move outward.
     void find_center(const exact::Point& middle);
@@ -108,6 +118,9 @@ private:
     template <int W>
     [[nodiscard]] int integer_sign(int count, const std::array<std::size_t, 3>& rows,
                                    const std::array<const exact::Point*, 3>& columns, bool upright, int quantum) const;
+    // Returns the sign after the first step of weights that changes it. sign_after(step): step by row.
+    template <int W, class SignAfter>
+    [[nodiscard]] int rank_sign(int count, const std::array<std::size_t, 3>& rows, SignAfter sign_after) const;
     template <int W>
     [[nodiscard]] int integer_order(const std::array<std::size_t, 2>& rows, const std::array<const Places*, 2>& u,
                                     int quantum) const;
@@ -121,6 +134,9 @@ private:
     bool centered_ = true;   // inside all bisectors
     std::vector<Bisector> bisectors_;
     std::vector<exact::Plane> sources_;  // of bisectors_
+    std::vector<std::int32_t> ranks_;    // of bisectors_
+    std::int32_t rank_ = -1;
+    mutable std::size_t ties_ = 0;
 };
 
 // Returns the sign of component `axis` of (v - u) x (w - u). Exact.

@@ -17,6 +17,7 @@
 #include "result/handle.hpp"
 #include "result/result.hpp"
 #include "solid/cell_pieces.hpp"
+#include "solid/flat_pieces.hpp"
 #include "solid/mesh_cells.hpp"
 
 namespace votess {
@@ -69,7 +70,8 @@ Pieces no_pieces() {
 }  // namespace
 
 Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
-    const solid::MeshCells* const cells = detail::result_of(tessellation.result_).mesh_cells.get();
+    const detail::Result& result = detail::result_of(tessellation.result_);
+    const solid::MeshCells* const cells = result.mesh_cells.get();
     if (cells == nullptr)
         throw Error(ErrorCode::invalid_argument,
                     "pieces(): the cells are not cut by a mesh: tessellate with " + option("mesh"));
@@ -118,6 +120,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     });
     Pieces all = no_pieces();
     for (Pieces& part : parts) append(std::exchange(part, {}), all);
+    if (result.planar) all = solid::flat_pieces(all, 2 * cells->half_height / cells->scale);
     for (std::size_t t = 0; t < all.sources.size(); ++t)
         if (all.on_surface[t] == 0) all.sources[t] = cells->name(all.sources[t]);
     return all;

@@ -7,8 +7,9 @@
 #include <numeric>
 #include <vector>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
+#include "core/sum.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
 #include "input/default_box.hpp"
@@ -19,7 +20,6 @@
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
 #include "solid/mesh_cells.hpp"
-#include "solid/sum.hpp"
 
 namespace votess::solid {
 namespace {
@@ -123,6 +123,7 @@ private:
     void keep_cells() {
         cells_->domain = job_.domain;
         cells_->scale = job_.scale;
+        if (job_.region.in_sheet) cells_->raise();
         if (job_.only) cells_->ids = job_.only->ids();
         cells_->indptr = std::move(result_.indptr);
         cells_->indices = std::move(result_.indices);
@@ -230,7 +231,7 @@ private:
         ThreadPool pool(job_.threads);
         std::vector<std::unique_ptr<CutCell>> cells(pool.size());
         const auto task = [&](std::size_t index, unsigned worker) {
-            if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain, wanted_.centroids);
+            if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *cells_->domain, wanted_.centroids);
             const std::size_t end = std::min(count, (index + 1) * rows_per_task);
             bool near = true;  // whether triangles may come near the current group
             for (std::size_t k = index * rows_per_task; k < end; ++k) {
@@ -313,7 +314,7 @@ private:
 
     // Finds the winding numbers of plain cells. Neighbors that are plain have the same.
     void fill_plain() {
-        CutCell cell(mesh_, *job_.domain, false);
+        CutCell cell(mesh_, *cells_->domain, false);
         struct Place {
             std::size_t row, image;
         };
@@ -385,7 +386,7 @@ private:
                     decides |= dropped_[e] == unsure;
                 }
                 if (!decides) continue;
-                if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain, false);
+                if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *cells_->domain, false);
                 decide_row(r, *cells[worker]);
             }
         };
@@ -502,7 +503,7 @@ private:
             std::ranges::count_if(result_.status, [](CellStatus status) { return status != CellStatus::certified; }));
         const std::uint64_t cells = stats.points - stats.empty_cells;
         stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
-        stats.box_volume = mesh_.volume();
+        stats.box_volume = volume_in(mesh_, job_.region);
         stats.moved_vertices = mesh_.moved_vertices();
         stats.moved_distance = mesh_.moved_distance();
         stats.volume_sum = wanted_.volumes ? sum_of(result_.volumes) : 0;
@@ -640,10 +641,7 @@ void place_mesh(ClosedMesh& mesh, const Job& job) {
 Box default_box_around(const ClosedMesh& mesh, const Points& points) {
     std::vector<CellStatus> outside;
     Box bounds = check_points(points, {}, outside);
-    for (std::size_t k = 0; k < 3; ++k) {
-        bounds.lower[k] = std::min(bounds.lower[k], mesh.bounds().lower[k]);
-        bounds.upper[k] = std::max(bounds.upper[k], mesh.bounds().upper[k]);
-    }
+    include(bounds, mesh.bounds());
     return default_box(bounds, std::max<std::size_t>(points.count(), 1));
 }
 
@@ -657,10 +655,16 @@ void check_want(const Want& want) {
     if (want.radii) refuse("the parts of cells have no security radii: leave these out of " + option("want"));
 }
 
+double volume_in(const ClosedMesh& mesh, const Region& region) {
+    if (!region.in_sheet) return mesh.volume();
+    const Box &prism = mesh.bounds(), &sheet = *region.box;  // both heights are powers of two
+    return mesh.volume() * ((sheet.upper[2] - sheet.lower[2]) / (prism.upper[2] - prism.lower[2]));
+}
+
 void check_inside(const ClosedMesh& mesh, const Region& region) {
     if (!region.box) return;
     const Box& box = *region.box;
-    for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < (region.in_sheet ? 2 : 3); ++k)
         for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]}) {
             const bool inside = x > box.lower[k] && x < box.upper[k];
             if (inside || (region.periodic[k] && (x == box.lower[k] || x == box.upper[k]))) continue;

@@ -20,7 +20,10 @@ namespace votess::solid {
 // for points that have no box, and for a mesh that is not inside.
 [[nodiscard]] Region region_around(const ClosedMesh& mesh, const Settled& run);
 
-// Throws invalid_argument unless the mesh lies in the box of the region, if that has one.
+// Returns the volume of a mesh, of a sheet that between its walls.
+[[nodiscard]] double volume_in(const ClosedMesh& mesh, const Region& region);
+// Throws invalid_argument unless the mesh lies in the box of the region, if that has one. A sheet has no ends above and
+// below.
 void check_inside(const ClosedMesh& mesh, const Region& region);
 // Brings a mesh into the units of a job. Throws invalid_argument if it lies outside of a triclinic box.
 void place_mesh(ClosedMesh& mesh, const Job& job);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
@@ -35,12 +36,9 @@ Vector3 direction(const Vector3& x) {
     return {x[0] / length, x[1] / length, x[2] / length};
 }
 
-constexpr Box no_ends{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
-constexpr Box no_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-
 struct Spread {
-    Box bounds = no_bounds;  // along the edges
-    Box across = no_bounds;  // of the parts across the lattice
+    Box bounds = empty_box;  // along the edges
+    Box across = empty_box;  // of the parts across the lattice
     double longest = 0;      // side of the latter
     double largest = 0;      // absolute coordinate
     int unit = 1024;         // all coordinates are multiples of 2^unit
@@ -50,16 +48,12 @@ struct Spread {
     Spread(const Points& points, const Edges& edges) {
         for (std::size_t i = 0; i < points.count(); ++i) {
             if (i % points_per_check == 0) check_stop();
-            const Vector3 x{points[3 * i], points[3 * i + 1], points[3 * i + 2]};
+            const Vector3 x = point_of(points, i);
             if (!std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) continue;
             const Vector3 part = edges.across(x), place = edges.along(x);
-            for (std::size_t k = 0; k < 3; ++k) {
-                add_number(x[k]);
-                bounds.lower[k] = std::min(bounds.lower[k], place[k]);
-                bounds.upper[k] = std::max(bounds.upper[k], place[k]);
-                across.lower[k] = std::min(across.lower[k], part[k]);
-                across.upper[k] = std::max(across.upper[k], part[k]);
-            }
+            for (const double c : x) add_number(c);
+            include(bounds, place);
+            include(across, part);
         }
         for (const double x : edges.numbers()) add_number(x);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -189,7 +183,7 @@ Box end_near(Region& region, const Points& points, const Weights& weights) {
     // Places along edges are rounded.
     const double margin =
         (longest > 0 ? near_margin * longest : spread.length(weights)) + (region.cell ? 0x1p-40 * spread.largest : 0);
-    Box ends = edges.ends_or(no_ends);
+    Box ends = edges.ends_or(all_space);
     for (std::size_t j = 0; j < 3; ++j) {
         const double lower = ends.lower[j], upper = ends.upper[j];
         if (lower == -infinity) ends.lower[j] = std::min(spread.bounds.lower[j], upper) - margin;

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
 #include "result/arrays.hpp"
@@ -304,9 +305,7 @@ public:
                 for (const std::int32_t v : vertices_of(far, k)) of_taken[at(v)] = true;
         for (std::size_t v = 0; v < far_number_.size(); ++v) {
             if (!of_taken[v] || far_number_[v] >= 0) continue;
-            if (of_other[v])
-                throw Error(ErrorCode::internal,
-                            "a bug in votess: a vertex of cells that reach infinity is in no other cell");
+            if (of_other[v]) bug("a vertex of cells that reach infinity is in no other cell");
             far_number_[v] = count++;
             new_vertices_.push_back(static_cast<std::int32_t>(v));
         }

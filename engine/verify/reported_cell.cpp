@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors.hpp"
 #include "core/text.hpp"
 #include "input/settle.hpp"
 #include "verify/brute_force.hpp"
@@ -71,7 +72,7 @@ struct Reply {
         reply.seeds.get_from(reader);
         reader.end();
         if (reply.counts.size() != cells || reply.empty.size() != cells)
-            throw Error(ErrorCode::internal, "a bug in votess: an reply is about other cells than the request");
+            bug("a reply is about other cells than the request");
         return reply;
     }
 };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
@@ -51,9 +52,8 @@ void require_points_of(const Tessellation& t, const Result& result, std::span<co
     if (!result.is_subset) return require_points(t, points, "verify");
     const std::size_t dimensions = t.planar() ? 2 : 3, count = result.all_seeds->count;
     if (points.size() != dimensions * count)
-        throw Error(ErrorCode::invalid_argument, "verify(): points hold " + std::to_string(points.size()) +
-                                                     " coordinates, the run of some of the cells had " +
-                                                     std::to_string(count) + " points");
+        refuse("verify(): points hold " + std::to_string(points.size()) +
+               " coordinates, the run of some of the cells had " + std::to_string(count) + " points");
 }
 
 class WholeResult : public RunBlocks {
@@ -541,8 +541,10 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
     // Proofs compare all numbers; other checks compare rows, volumes and areas.
     if (report.passed && (t.in_mesh() || (!(in_box && report.proven) && !options.sample))) {
         std::optional<solid::MeshArrays> mesh;
+        std::optional<Rings> rings;
         if (t.in_mesh()) {
             again.region.mesh = mesh.emplace(result.mesh_cells->mesh, result.mesh_cells->scale).view();
+            if (t.planar()) again.region.mesh = rings.emplace(*again.region.mesh).view();
             again.region.outside = Outside::error;
         }
         report.failure = difference_from_second_run(result, std::move(again), tolerance_of(t));

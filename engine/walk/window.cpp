@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/box.hpp"
 #include "index/seed_images.hpp"
 #include "walk/star_bounds.hpp"
 
@@ -61,13 +62,8 @@ bool Window::collect(const Box& box, double radius, const WeightTilt* tilt) {
 Box Window::home_box(std::size_t home) const {
     const std::size_t first_group = home * home_groups;
     Box box = hierarchy_.box(0, first_group);
-    for (std::size_t g = first_group + 1; g < std::min(first_group + home_groups, hierarchy_.count(0)); ++g) {
-        const Box other = hierarchy_.box(0, g);
-        for (int k = 0; k < 3; ++k) {
-            box.lower[k] = std::min(box.lower[k], other.lower[k]);
-            box.upper[k] = std::max(box.upper[k], other.upper[k]);
-        }
-    }
+    for (std::size_t g = first_group + 1; g < std::min(first_group + home_groups, hierarchy_.count(0)); ++g)
+        include(box, hierarchy_.box(0, g));
     return box;
 }
 

@@ -7,12 +7,16 @@
 // transport, J. Eur. Math. Soc. 21, 2019) for the cube roots of volumes, which are nearer to linear in the weights. The
 // derivative of a volume by a neighbor's weight is -area / (2 distance). Far from the targets a step goes part of the
 // way on a logarithmic scale, and the cells that it leaves empty are revived. In the plane volumes are areas.
-// The weights are those of optimal transport from the domain to the seeds, unique up to a constant.
+// The weights are those of optimal transport from the domain to the seeds, unique up to a constant. With a density, as
+// an image, volumes are masses. Far from the targets the density is raised evenly, and sinks from step to step, so that
+// cells in the dark have mass too.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+#include <votess/density.hpp>
 #include <votess/votess.hpp>
 
 namespace votess {
@@ -22,8 +26,10 @@ struct FitOptions {
     double tolerance = 1e-9;
     // Newton steps; each takes at least one tessellation.
     unsigned max_steps = 200;
-    // Scale the targets so that they sum to the volume of the domain, or of the mesh: they are shares.
+    // Scale the targets so that they sum to the volume of the domain or of the mesh, or to its mass: they are shares.
     bool normalize = false;
+    // The targets are masses under this density instead of volumes. Not in a mesh.
+    std::optional<Density> density = std::nullopt;
 };
 
 // Seconds of wall clock. `tessellate` includes the tessellation that is returned.
@@ -36,7 +42,7 @@ struct VolumeFit {
     Tessellation tessellation;    // with these weights and the arrays of Options::want
     unsigned steps = 0;           // Newton steps
     unsigned tessellations = 0;   // in all steps, and the one that is returned
-    double residual = 0;          // largest |volume - target| / target
+    double residual = 0;          // largest |volume - target| / target; of masses with a density
     FitSeconds seconds;
 };
 
@@ -66,8 +72,8 @@ private:
 // count, and their weights are 0. In a periodic domain each kept point must have a cell without weights.
 // In a mesh the volumes are those in it. Each cell must have a part of it without weights.
 // Throws invalid_argument for equal points, points outside by default, and targets that are not positive, not one for
-// each point or do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of
-// tessellate().
+// each point or do not sum to the volume of the domain, or to its mass (to 1e-9); FitError when the steps end; and the
+// errors of tessellate().
 [[nodiscard]] VOTESS_API VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets,
                                                const Options& options = {}, const FitOptions& fit = {});
 

@@ -40,6 +40,11 @@ VOTESS_API votess_status votess_render(const votess_result* result, const double
                                        const votess_picture_options* options, uint8_t* pixels, size_t size,
                                        uint64_t* left_out);
 
+// Draws pieces of cells, or any closed triangle meshes, see render() in picture.hpp. options: as above, with values for
+// each piece, which are required. Pieces of the plane and slices are refused.
+VOTESS_API votess_status votess_render_pieces(const votess_piece_arrays* pieces, const votess_picture_options* options,
+                                              uint8_t* pixels, size_t size);
+
 #ifdef __cplusplus
 }
 #endif

@@ -27,6 +27,10 @@ struct PieceOptions {
 // edge or corner share no vertices.
 //
 // Where a surface intersects itself, pieces overlap. Where its winding number is negative, they are inside out.
+// In the plane a piece is a polygon, with holes. It has edges instead of triangles, ring after ring, the outline first
+// and the piece on the left. Vertices and centroids have two components, `triangles` two, `volumes` are areas, and a
+// source on the mesh is one of its edges.
+//
 // Surfaces without a volume, except for rounding, are dropped. In a periodic domain a row has the pieces of all images
 // of its cell. They lie in the mesh, and may be far from the seed.
 struct Pieces {

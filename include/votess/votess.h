@@ -136,9 +136,9 @@ typedef struct votess_options {
     int32_t has_mesh;
     int32_t mesh_merge;  // nonzero: vertices at equal places are one
     uint64_t mesh_vertex_count;
-    const double* mesh_vertices;  // 3 * mesh_vertex_count
+    const double* mesh_vertices;  // 3 * mesh_vertex_count; 2 with planar
     uint64_t mesh_triangle_count;
-    const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
+    const int32_t* mesh_triangles;  // 3 * mesh_triangle_count; 2 with planar: edges, see TriangleMesh in votess.hpp
     double mesh_tolerance;          // with mesh_merge: see TriangleMesh::tolerance in votess.hpp
 } votess_options;
 
@@ -182,6 +182,7 @@ typedef struct votess_natural votess_natural;
 typedef struct votess_fit votess_fit;
 typedef struct votess_zones votess_zones;
 typedef struct votess_groups votess_groups;
+typedef struct votess_masses votess_masses;
 typedef struct votess_network votess_network;
 typedef struct votess_pieces votess_pieces;
 typedef struct votess_alpha votess_alpha;
@@ -328,8 +329,10 @@ typedef struct votess_fit_options {
     uint32_t struct_size;  // set by votess_fit_options_init
     uint32_t max_steps;
     double tolerance;
-    int32_t normalize;  // nonzero: true
-    int32_t reserved;   // 0
+    int32_t normalize;        // nonzero: true
+    int32_t reserved;         // 0
+    const double* density;    // the values of Density in density.hpp, in its order; NULL: none
+    size_t density_shape[3];  // nx, ny, nz
 } votess_fit_options;
 
 // The fields of VolumeFit in fit.hpp that are numbers.
@@ -382,6 +385,16 @@ VOTESS_API void votess_groups_free(votess_groups* groups);
 //   int32_t  members (N), indices (indptr[G])
 //   double   volumes (G), surface_areas (G), mesh_areas (G), areas (indptr[G])
 VOTESS_API votess_status votess_groups_array(const votess_groups* groups, const char* name, votess_array* array);
+
+// Masses under a density that is constant in the boxes of a grid, see masses() in density.hpp. density: shape[0] *
+// shape[1] * shape[2] values. threads: as in votess_options. On success *out is new, else NULL; the result may be freed
+// afterwards.
+VOTESS_API votess_status votess_masses_new(const votess_result* result, const double* density, const size_t shape[3],
+                                           uint32_t threads, votess_masses** out);
+VOTESS_API void votess_masses_free(votess_masses* masses);
+// The arrays of Masses in density.hpp: masses (N), centroids (N, d), second_moments (N), face_masses (indptr[N]),
+// double.
+VOTESS_API votess_status votess_masses_array(const votess_masses* masses, const char* name, votess_array* array);
 
 // The network of vertices and edges, see network() in network.hpp. points: 3 * count coordinates of the result's
 // points, in the plane 2 * count. On success *out is new, else NULL.
@@ -552,6 +565,7 @@ typedef struct votess_piece_arrays {
     const int32_t* triangles;         // 3 * triangle_offsets[P]
     const uint8_t* on_surface;        // triangle_offsets[P]
     const double* centroids;          // 3 * P
+    const int32_t* sources;           // triangle_offsets[P], or NULL: votess_render_pieces() reads them, for its lines
 } votess_piece_arrays;
 
 // Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the
@@ -560,6 +574,7 @@ typedef struct votess_piece_arrays {
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
 //   - ".stl": binary; all pieces in one
+//   - ".geojson": pieces of the plane, whose vertices and centroids have two components and whose triangles are edges
 VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
                                              votess_write_callback write, void* user);
 

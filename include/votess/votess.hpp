@@ -93,9 +93,11 @@ struct Wall {
 // A closed surface of triangles, which encloses the domain. The surface may have several parts, holes through it,
 // and parts inside each other, and may intersect itself. Vertices of a triangle are counterclockwise seen from outside.
 // Triangles may have no area.
+// With Options::planar it is a set of closed rings of edges, which have the domain on their left. So outlines are
+// counterclockwise, and holes clockwise.
 struct TriangleMesh {
-    std::span<const double> vertices;         // 3V coordinates
-    std::span<const std::int32_t> triangles;  // 3T indices of vertices
+    std::span<const double> vertices;         // 3V coordinates; in the plane 2V
+    std::span<const std::int32_t> triangles;  // 3T indices of vertices; in the plane 2E, of edges
     bool merge = false;                       // vertices at equal places are one; both zeros are equal
     // merge: vertices at most this far apart are one too, at the place of the first. A share of the longest side of the
     // mesh's bounds, from 0 to 0.01. Vertices in a chain of such steps are one. Stats say how far they moved.
@@ -212,6 +214,8 @@ struct Options {
     // A place on the surface counts as if the mesh were moved by less than any distance, first in x, then y, then z. So
     // nothing is lost or counted twice where seeds and mesh share planes. A face in the surface counts as outside. A
     // part or face of a cell that touches the mesh so, and that rounding alone could explain, is dropped.
+    //
+    // In the plane the mesh is rings of edges, mesh_areas() holds lengths, and `cell` is refused.
     std::optional<TriangleMesh> mesh;
     // Points outside the domain: an error; or dropped, which leaves an empty cell with the status `outside`; or kept,
     // which gives each the part of its cell inside the domain, or the status `empty`.
@@ -226,8 +230,8 @@ struct Options {
     // `surface_areas` perimeters and `face_areas` lengths of edges; min_area is a length. Centroids, normals, vertices
     // and shifts have two components. All counts are the number of edges. The corners of a cell, cell_vertex_indices,
     // are counterclockwise; face_vertices holds two for each edge, in that order. Leave z 0 in box, walls and cell, and
-    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). Only count_tiny_faces() and functions that take
-    // a mesh need three dimensions and throw invalid_argument.
+    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). Only count_tiny_faces() needs three dimensions
+    // and throws invalid_argument.
     bool planar = false;
     // Power diagram: N weights w, length unit squared, any sign; or N radii, whose squares, rounded to float64, are the
     // weights. Copied by the call. The cell of seed i is where |x - p_i|^2 - w_i is least. Both empty: the Voronoi

@@ -102,10 +102,12 @@ TEST_SUITE("cases") {
         options.weights = {weights.data(), 300};
         const votess::Tessellation after = votess::tessellate(g.points, options);
         CHECK(after.stats().empty_cells == 3);
+        const votess::fit::Vector volumes = Eigen::Map<const votess::fit::Vector>(after.volumes().data(), 300);
         const auto revived = [&](double target, int attempt) {
             const votess::fit::Vector targets = votess::fit::Vector::Constant(300, target), least = 1e-4 * targets;
             votess::fit::Vector raised = weights;
-            votess::fit::revive({places, edges, targets, before, after, least}, attempt, raised);
+            votess::fit::revive({places, edges, targets, before, after, volumes, after.centroids(), least}, attempt,
+                                raised);
             return raised;
         };
         const votess::fit::Vector full = revived(1.0 / 300, 0), some = revived(1e-6, 0);
@@ -236,7 +238,8 @@ TEST_SUITE("cases") {
         options.want.areas = true;
         const votess::Tessellation t = votess::tessellate(g.points, options);
         votess::fit::Matrix matrix;
-        votess::fit::set_laplacian(t, votess::wrapped_points(t, g.points), {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, matrix);
+        votess::fit::set_laplacian(t, t.face_areas(), votess::wrapped_points(t, g.points),
+                                   {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, matrix);
         CHECK(matrix.rows() == 700);
 
         test::Random random(1);

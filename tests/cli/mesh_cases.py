@@ -233,6 +233,62 @@ TETRAHEDRON_FACES = "4\n" + "".join(
     for k, plane in enumerate(["0 1 0 0", "0 0 1 0", "0 0 0 1", "-0.666666666667 -0.666666666667 -0.333333333333 -0.666666666667"]))
 
 
+class GeojsonFiles(ReaderTest):
+    CITY = {"type": "Polygon", "coordinates": [[[0, 0], [0, 3], [2, 1], [4, 3], [4, 0], [0, 0]],  # clockwise
+                                               [[1, 0.5], [2, 0.5], [1.5, 1], [1, 0.5]]]}
+
+    def volumes(self, geometry, *options):
+        self.put("city.geojson", json.dumps(geometry))
+        self.run_cli("--random", "100", "--mesh", "city.geojson", "-q", *options, "-o", "a.npz")
+        with np.load(self.folder / "a.npz") as arrays:
+            return arrays["volumes"]
+
+    def test_polygons(self):
+        volumes = self.volumes(self.CITY, "-o", "cells.geojson")
+        self.assertAlmostEqual(volumes.sum(), 7.75, delta=1e-12)
+        self.assertTrue((volumes > 0).all())  # points lie inside
+        cells = json.loads((self.folder / "cells.geojson").read_text())
+        self.assertEqual([feature["id"] for feature in cells["features"]], list(range(100)))
+        for feature in cells["features"]:
+            area = 0
+            for polygon in feature["geometry"]["coordinates"]:
+                for k, ring in enumerate(polygon):
+                    self.assertEqual(ring[0], ring[-1])
+                    x, y = np.array(ring).T
+                    turned = np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) / 2
+                    self.assertEqual(turned > 0, k == 0)
+                    area += turned
+            self.assertAlmostEqual(area, volumes[feature["id"]], delta=1e-12)
+        # The pieces tile the polygon: they are a domain again.
+        self.assertAlmostEqual(self.volumes(cells).sum(), 7.75, delta=1e-11)
+        shape = [feature["geometry"]["coordinates"] for feature in cells["features"]]
+        other = {"type": "FeatureCollection", "features": [
+            {"type": "Feature", "geometry": None, "properties": {}},
+            {"type": "Feature", "properties": None, "geometry": {"type": "GeometryCollection", "geometries": [self.CITY]}},
+            {"type": "Feature", "geometry": {"type": "MultiPolygon", "coordinates": [[[[5, 0, 9], [6, 0, 9], [6, 1, 9]]]]}}]}
+        self.assertAlmostEqual(self.volumes(other).sum(), 8.25, delta=1e-12)
+        self.assertEqual(len(shape), 100)
+
+    def test_refusals(self):
+        self.put("a.geojson", json.dumps(self.CITY))
+        random = ["--random", "50", "--mesh", "a.geojson"]
+        self.refuse(*random, "-o", "a.obj", says="needs three dimensions, but --mesh a.geojson means two")
+        self.refuse(*random, "-o", "a.vtu", says="holds no polygons with holes: write pieces as .geojson")
+        self.refuse(*random, "--image", "a.png", says="--image does not draw cells in polygons")
+        self.refuse("--random", "50", "--2d", "-o", "b.geojson", says="add --mesh FILE")
+        self.put("cube.off", "OFF\n0 0 0\n")
+        self.refuse("--random", "50", "--mesh", "cube.off", "-o", "b.geojson", says="holds polygons: add --mesh FILE.geojson")
+        self.refuse("--random", "50", "--2d", "--mesh", "cube.off", says="--mesh cube.off needs three dimensions")
+        for text, message in (("[1", "a.geojson"), ("{}", "the type none"),
+                              ('{"type": "Point", "coordinates": [0, 0]}', 'the type "Point": give polygons'),
+                              ('{"type": "Polygon"}', 'no "coordinates"'), ('{"type": "FeatureCollection"}', 'no "features"'),
+                              ('{"type": "Polygon", "coordinates": [[[0, 0], [1, 1]]]}', "ring 0 has 2 places"),
+                              ('{"type": "Polygon", "coordinates": [[[0, 0], [1, "x"], [1, 1]]]}', "place 1 is"),
+                              ('{"type": "GeometryCollection", "geometries": []}', "no polygon found")):
+            self.put("a.geojson", text)
+            self.refuse(*random, says=message)
+
+
 class SolverFiles(ReaderTest):
     def test_tess_of_neper(self):
         self.put("a.tess", TESS.format("0.300000000000", "0.100000000000", "cube", CUBE_FACES))

@@ -659,6 +659,7 @@ class Columns(ReaderTest):
                               (["--copy", "mass,mass", "-o", "out.npz"], "twice"),
                               (["--copy", "volumes", "-o", "out.npz"], ["'volumes'", "rename"]),
                               (["--copy", ",", "-o", "out.npz"], "--copy is empty"),
+                              (["--copy", '"a, b",', "-o", "out.npz"], ["'\"a, b\",'", "an empty name", "leave out a comma"]),
                               (["--density", "flow", "-o", "out.npz"], "2 numbers for each point"),
                               (["--radii", "flow", "-o", "out.npz"], "2 numbers for each point")]:
             self.refuse("a.npz", *options, says=says)

@@ -12,11 +12,11 @@ from cli_test import CLI
 from frame_cases import FileDomains, FrameFiles, Regressions
 from hdf5_cases import Hdf5Files, Hdf5Module, Streamed
 from lammps_cases import LammpsFiles
-from mesh_cases import GltfFiles, MeshFiles, SolverFiles
+from mesh_cases import GeojsonFiles, GltfFiles, MeshFiles, SolverFiles
 from picture_cases import Pictures
 from reader_cases import ArrayFiles, Columns, HostileFiles, PlyFiles
 
-__all__ = ["AllFrames", "ArrayFiles", "Columns", "FileDomains", "FrameFiles", "FramesOfHdf5", "GltfFiles", "Hdf5Files", "Hdf5Module", "HostileFiles", "LammpsFiles", "MeshFiles", "Pictures", "PlyFiles", "Regressions", "SolverFiles", "Streamed"]
+__all__ = ["AllFrames", "ArrayFiles", "Columns", "FileDomains", "FrameFiles", "FramesOfHdf5", "GeojsonFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "HostileFiles", "LammpsFiles", "MeshFiles", "Pictures", "PlyFiles", "Regressions", "SolverFiles", "Streamed"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -1,6 +1,6 @@
 """Checks that the shared library exports its own interface and nothing else.
 
-The defined dynamic symbols must be the functions that votess.h, frames.h, picture.h and stream.h declare, and members of classes marked
+The defined dynamic symbols must be the functions that votess.h, frames.h, picture.h, stream.h and surface.h declare, and members of classes marked
 VOTESS_API in the C++ headers and ENGINE_HEADERs, with their type information. Nothing of Vulkan or volk may be exported,
 and no template instantiation of std or boost: a second copy of the library in the process would share them. No Vulkan
 function may be undefined, because the loader is opened at run time.
@@ -35,7 +35,7 @@ def without_comments(path):
 def main():
     nm, library, include, *shared = sys.argv[1:]
     headers = [*sorted(Path(include, "votess").glob("*.hpp")), *map(Path, shared)]
-    c_text = "".join(without_comments(Path(include, "votess", name)) for name in ["votess.h", "frames.h", "picture.h", "stream.h"])
+    c_text = "".join(without_comments(Path(include, "votess", name)) for name in ["votess.h", "frames.h", "picture.h", "stream.h", "surface.h"])
     c_functions = set(re.findall(r"VOTESS_API[^;]*?\b(votess_\w+)\(", c_text))
     cpp_text = "".join(without_comments(header) for header in headers)
     cpp_names = {*CLASS.findall(cpp_text), *FUNCTION.findall(cpp_text)}

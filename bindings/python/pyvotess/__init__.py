@@ -30,6 +30,7 @@ from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
 from .fields.shapes import Shapes
 from .frames import Frame, read_frames
 from .groups import Groups
+from .masses import Masses
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors, Rows
 from .network import FreeSphere, IncludedSphere, Network
 from .pairs import Pairs
@@ -37,6 +38,7 @@ from .pieces import Piece, Pieces
 from .rays import RayCells
 from .stats import MeshQuality, StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
+from .surfaces import Remesh, SurfaceCells, SurfaceRelaxation, lloyd_on_surface, remesh, surface
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 from .zones import Zones
@@ -57,6 +59,7 @@ __all__ = [
     "Groups",
     "IncludedSphere",
     "Lists",
+    "Masses",
     "MeshQuality",
     "NaturalCoordinates",
     "Neighbors",
@@ -67,12 +70,15 @@ __all__ = [
     "Probes",
     "RayCells",
     "Relaxation",
+    "Remesh",
     "Rows",
     "Shapes",
     "StageSeconds",
     "Stats",
     "StreamResult",
     "StreamRows",
+    "SurfaceCells",
+    "SurfaceRelaxation",
     "Tessellation",
     "Tessellator",
     "VerifyReport",
@@ -86,7 +92,10 @@ __all__ = [
     "from_ase",
     "gpu",
     "lloyd",
+    "lloyd_on_surface",
     "read_frames",
+    "remesh",
+    "surface",
     "tessellate",
     "tessellate_stream",
     "transport_cost",

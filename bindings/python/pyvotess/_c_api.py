@@ -19,7 +19,7 @@ from ctypes import (
     c_void_p,
 )
 from enum import IntEnum
-from typing import Any, Dict, Iterable, Literal, Tuple
+from typing import Any, Dict, Literal, Tuple
 
 OK = 0
 
@@ -207,6 +207,8 @@ class FitOptions(ctypes.Structure):
         ("tolerance", c_double),
         ("normalize", c_int32),
         ("reserved", c_int32),
+        ("density", c_void_p),
+        ("density_shape", c_size_t * 3),
     ]
 
 
@@ -297,6 +299,19 @@ class Bytes(ctypes.Structure):
 WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
 
 
+class SurfaceOptions(ctypes.Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("threads", c_uint32),
+        ("weights", c_void_p),
+        ("tolerance", c_double),
+        ("merge", c_int32),
+        ("reserved", c_int32),
+        ("progress", ProgressCallback),
+        ("user", c_void_p),
+    ]
+
+
 class PieceArrays(ctypes.Structure):
     """``votess_piece_arrays``."""
 
@@ -312,6 +327,7 @@ class PieceArrays(ctypes.Structure):
         ("triangles", c_void_p),
         ("on_surface", c_void_p),
         ("centroids", c_void_p),
+        ("sources", c_void_p),
     ]
 
 
@@ -391,6 +407,9 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_groups_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
     "votess_groups_free": (None, (_HANDLE,)),
     "votess_groups_array": _ARRAY,
+    "votess_masses_new": (c_int, (_HANDLE, c_void_p, c_size_t * 3, c_uint32, POINTER(_HANDLE))),
+    "votess_masses_free": (None, (_HANDLE,)),
+    "votess_masses_array": _ARRAY,
     "votess_network_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
     "votess_network_free": (None, (_HANDLE,)),
     "votess_network_array": _ARRAY,
@@ -435,11 +454,18 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_hull_array": _ARRAY,
     "votess_device_count": (c_size_t, ()),
     "votess_device_info": (c_int, (c_size_t, c_char_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)),
+    # votess/surface.h
+    "votess_surface_new": (
+        c_int,
+        (c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t, POINTER(SurfaceOptions), POINTER(_HANDLE)),
+    ),
+    "votess_surface_free": (None, (_HANDLE,)),
+    "votess_surface_array": _ARRAY,
 }
 
 
-def declare(library: ctypes.CDLL, names: Iterable[str] = tuple(SIGNATURES)) -> None:
+def declare(library: ctypes.CDLL, signatures: Dict[str, Tuple[Any, Tuple[Any, ...]]] = SIGNATURES) -> None:
     """Sets the signatures of these functions. Raises AttributeError when the library lacks one."""
-    for name in names:
+    for name, signature in signatures.items():
         function = getattr(library, name)
-        function.restype, function.argtypes = SIGNATURES[name]
+        function.restype, function.argtypes = signature

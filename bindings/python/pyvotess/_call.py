@@ -79,6 +79,16 @@ class Handle:
         self._kind, self._library = kind, library
         self._free = getattr(library, f"votess_{kind}_free")  # modules may be gone when the interpreter ends
 
+    @classmethod
+    def made(cls, kind: str, function: Any, *arguments: Any) -> Handle:
+        """Returns what ``function(*arguments, out)`` makes. Ctrl-C stops it."""
+        handle = cls(kind)
+        raise_on_failure(watched(function, *arguments, ctypes.byref(handle.pointer)))
+        return handle
+
+    def arrays(self, *names: str) -> Dict[str, npt.NDArray[Any]]:
+        return {name: self.array(name) for name in names}
+
     def array(self, name: str, *part: int, writable: bool = False) -> npt.NDArray[Any]:
         """Returns a view of an array, without a copy: (length,), or (length, components) if it has several.
 

@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._c_api import OutsideWord, RepairWord
-
-    Float64Array = npt.NDArray[np.float64]
-    Int32Array = npt.NDArray[np.int32]
+    from ._types import Float64Array, Int32Array
 
 
 class DomainKeywords(TypedDict, total=False):
@@ -100,7 +98,7 @@ def _checked(given: Mapping[str, Any]) -> Tuple[Dict[str, Any], Dict[str, int]]:
         raise ValueError("mesh_tolerance needs mesh_repair='merge': set it, or leave mesh_tolerance out")
     if "mesh" in said:
         vertices, triangles = as_mesh(said["mesh"])
-        values["mesh"], sizes["mesh"] = (_locked(vertices), _locked(triangles)), 3
+        values["mesh"], sizes["mesh"] = (_locked(vertices), _locked(triangles)), vertices.shape[1]
     if "mesh_repair" in said:
         values["mesh_repair"] = said["mesh_repair"]
     if tolerance != 0:
@@ -171,7 +169,9 @@ class Domain:
         faces are walls. Along an edge that is 0 it has no end.
     walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
     mesh : a closed triangle mesh: (vertices, triangles), or a mesh of trimesh, PyVista or Open3D. Each cell is its part
-        inside, see the page "Domains". Points may lie outside. Refused with walls and outside.
+        inside, see the page "Domains". Points may lie outside. Refused with walls and outside. In the plane polygons with
+        holes: GeoJSON as a dict, an object with ``__geo_interface__`` as of Shapely, or (vertices, edges) with the domain
+        on the left of each edge. Not in a ``cell`` there.
     mesh_repair : "merge" makes vertices of the mesh at equal places one, as meshes from STL files need. Default: none.
     mesh_tolerance : with "merge", vertices at most this far apart become one too. A share of the longest side of the
         mesh's bounds, at most 0.01; 1e-9 closes meshes whose corners differ by rounding. ``stats.moved_vertices`` and
@@ -259,7 +259,9 @@ class Domain:
         tolerance: float = 0.0,
         within: Optional[Domain] = None,
     ) -> Domain:
-        """Returns the inside of a closed triangle mesh, see ``mesh`` above; ``within`` a box or cell, which may be periodic.
+        """Returns the inside of a closed triangle mesh, in the plane of polygons, see ``mesh`` above.
+
+        within : a box or cell around it, which may be periodic.
 
         >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
         >>> vt.Domain.mesh((corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]))
@@ -325,7 +327,7 @@ class Domain:
 
     @property
     def surface(self) -> Optional[Tuple[Float64Array, Int32Array]]:
-        """(V, 3) float64 vertices and (T, 3) int32 triangles of the mesh; None for other domains."""
+        """(V, 3) float64 vertices and (T, 3) int32 triangles of the mesh, in the plane (V, 2) and (E, 2) edges; else None."""
         return self._values.get("mesh")
 
     @property
@@ -361,7 +363,8 @@ class Domain:
         if not self._has_ends:
             where = "default " + where
         if self.surface is not None:
-            where = f"mesh of {len(self.surface[1])} triangles in a {where}"
+            parts = "triangles" if self.surface[1].shape[1] == 3 else "edges"
+            where = f"mesh of {len(self.surface[1])} {parts} in a {where}"
         return where + ("" if self.outside == "error" else f", outside {self.outside}")
 
     def __repr__(self) -> str:

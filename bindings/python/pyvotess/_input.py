@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from ._arguments import as_flag
+from ._arguments import as_flag, shown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from . import _c_api
-
-    Float64Array = npt.NDArray[np.float64]
+    from ._types import Float64Array
 
 
 #: DLPack's types of memory that a program on the CPU reads: its own, pinned for CUDA or ROCm, and managed by CUDA.
@@ -148,6 +147,20 @@ def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
     return array.astype(np.float64, copy=False)
 
 
+def as_density(density: Any, dimensions: int) -> Float64Array:
+    """Returns the values of a density on a grid, (nx, ny, nz) float64, in the plane (nx, ny)."""
+    array = as_float64_or_float32(density, "density").astype(np.float64, copy=False)
+    if array.ndim != dimensions or array.size == 0:
+        raise ValueError(
+            f"density has shape {array.shape}: it must be {'(nx, ny)' if dimensions == 2 else '(nx, ny, nz)'}, with x first"
+        )
+    wrong = np.argwhere(~((array >= 0) & (array < np.inf)))
+    if len(wrong):
+        index = tuple(int(i) for i in wrong[0])
+        raise ValueError(f"density{list(index)} is {array[index]}: it must be finite and not negative")
+    return array
+
+
 def as_labels(values: Any, name: str, count: int, of: str) -> npt.NDArray[np.int64]:
     """Returns (count,) int64, one whole number for each point."""
     array = as_array(values, name)
@@ -176,8 +189,62 @@ def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:
     return np.ascontiguousarray(array, dtype=np.int64)
 
 
+def _rings_of(geometry: Any) -> Iterator[Tuple[Any, bool]]:
+    """Returns the rings of the polygons in GeoJSON, and whether each is a hole."""
+    kind = geometry.get("type")
+    if kind == "Feature":
+        if geometry.get("geometry") is not None:
+            yield from _rings_of(geometry["geometry"])
+    elif kind in ("FeatureCollection", "GeometryCollection"):
+        for part in geometry["features" if kind == "FeatureCollection" else "geometries"]:
+            yield from _rings_of(part)
+    elif kind in ("Polygon", "MultiPolygon"):
+        polygons = geometry["coordinates"]
+        for polygon in [polygons] if kind == "Polygon" else polygons:
+            for k, ring in enumerate(polygon):
+                yield ring, k > 0
+    else:
+        raise ValueError(f"mesh holds a geometry of the type {shown(kind)}: give polygons")
+
+
+def _mesh_of_polygons(geometry: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
+    """Returns (V, 2) vertices and (E, 2) edges of GeoJSON: outlines run counterclockwise, holes clockwise."""
+    vertices, edges, count = [], [], 0
+    try:
+        rings = list(_rings_of(geometry))
+    except (AttributeError, KeyError, TypeError) as error:
+        raise ValueError("mesh is not GeoJSON of polygons: give a geometry, a feature or a collection") from error
+    for number, (ring, is_hole) in enumerate(rings):
+        places = as_float64_or_float32(ring, f"ring {number} of mesh").astype(np.float64)
+        if places.ndim != 2 or places.shape[1] not in (2, 3):
+            raise ValueError(f"ring {number} of mesh has shape {places.shape}: give (V, 2) places")
+        places = places[:, :2]
+        if len(places) > 1 and (places[0] == places[-1]).all():
+            places = places[:-1]
+        if len(places) < 3:
+            raise ValueError(f"ring {number} of mesh has {len(places)} places: give at least 3")
+        x, y = (places - places[0]).T
+        area = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+        if (area > 0) == is_hole:
+            places = places[::-1]
+        own = np.arange(len(places), dtype=np.int32)
+        vertices.append(places)
+        edges.append(count + np.stack([own, np.roll(own, -1)], axis=1))
+        count += len(places)
+    if not vertices:
+        raise ValueError("mesh holds no polygon: give at least one")
+    return np.concatenate(vertices), np.concatenate(edges)
+
+
 def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
-    """Returns (V, 3) float64 vertices and (T, 3) int32 triangles of a pair, or of a mesh of trimesh, PyVista or Open3D."""
+    """Returns (V, 3) float64 vertices and (T, 3) int32 triangles of a pair, or of a mesh of trimesh, PyVista or Open3D.
+
+    In the plane (V, 2) vertices and (E, 2) edges: of a pair, of GeoJSON, or of an object with ``__geo_interface__``.
+    """
+    if hasattr(mesh, "__geo_interface__"):  # Shapely, GeoPandas
+        return _mesh_of_polygons(mesh.__geo_interface__)
+    if isinstance(mesh, Mapping):
+        return _mesh_of_polygons(mesh)
     kind = type(mesh).__name__
     if hasattr(mesh, "is_all_triangles") and hasattr(mesh, "points"):  # PyVista; regular_faces raises for mixed faces
         if not mesh.is_all_triangles:
@@ -203,20 +270,24 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
         except TypeError:
             pair = ()
     if len(pair) != 2:
-        raise ValueError(f"mesh is a {kind}: give (vertices, triangles), or a mesh with both")
+        raise ValueError(
+            f"mesh is a {kind}: give (vertices, triangles), or a mesh with both; in the plane (vertices, edges) or polygons"
+        )
     vertices = np.ascontiguousarray(as_float64_or_float32(pair[0], "vertices of mesh"), np.float64)
     triangles = as_array(pair[1], "triangles of mesh")
-    if vertices.ndim != 2 or vertices.shape[1] != 3:
-        raise ValueError(f"vertices of mesh have shape {vertices.shape}: it must be (V, 3)")
-    if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
+    if vertices.ndim != 2 or vertices.shape[1] not in (2, 3):
+        raise ValueError(f"vertices of mesh have shape {vertices.shape}: it must be (V, 3), in the plane (V, 2)")
+    d = vertices.shape[1]
+    what, shape = ("edge", "(E, 2)") if d == 2 else ("triangle", "(T, 3)")
+    if triangles.ndim != 2 or triangles.shape[1] != d or triangles.dtype.kind not in "iu":
         raise ValueError(
-            f"triangles of mesh have shape {triangles.shape} and type {triangles.dtype}: give (T, 3) indices of vertices"
+            f"{what}s of mesh have shape {triangles.shape} and type {triangles.dtype}: give {shape} indices of vertices"
         )
     wrong = (triangles < 0) | (triangles >= len(vertices))  # before int32 could wrap them
     if wrong.any():
         row, column = np.argwhere(wrong)[0]
         raise ValueError(
-            f"mesh: triangle {row} names vertex {triangles[row, column]}, but there are {len(vertices)}: "
+            f"mesh: {what} {row} names vertex {triangles[row, column]}, but there are {len(vertices)}: "
             "give indices from 0 on"
         )
     return vertices, np.ascontiguousarray(triangles, np.int32)

@@ -70,7 +70,8 @@ def check(library: ctypes.CDLL, name: str) -> None:
 
     The major version must be equal, and the minor version not older; before 1.0 it must be equal too.
     """
-    _c_api.declare(library, ("votess_version_string", "votess_sizeof_options", "votess_sizeof_stats"))
+    names = ("votess_version_string", "votess_sizeof_options", "votess_sizeof_stats")
+    _c_api.declare(library, {name: _c_api.SIGNATURES[name] for name in names})
     found = library.votess_version_string().decode()
     ours, theirs = _numbers(VERSION), _numbers(found)
     suits = ours[0] == theirs[0] and (ours[1] == theirs[1] if ours[0] == 0 else ours[1] <= theirs[1])

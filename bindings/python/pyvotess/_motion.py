@@ -10,13 +10,8 @@ import numpy as np
 from .pairs import edges_of
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from ._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
-    Int32Array = npt.NDArray[np.int32]
-    Int64Array = npt.NDArray[np.int64]
+    from ._types import Float64Array, Int32Array, Int64Array
 
 _CORNERS = 20_000  # of the faces in a block, so that its arrays stay in the cache
 

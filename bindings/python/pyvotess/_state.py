@@ -19,12 +19,7 @@ from .stats import Stats, read_stats
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Float64Array = npt.NDArray[np.float64]
-    Int8Array = npt.NDArray[np.int8]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
-    UInt32Array = npt.NDArray[np.uint32]
-    UInt8Array = npt.NDArray[np.uint8]
+    from ._types import Float64Array, Int8Array, Int32Array, Int64Array, UInt8Array, UInt32Array
 
 #: The arrays of each word of want.
 ARRAYS: Dict[str, Tuple[str, ...]] = {

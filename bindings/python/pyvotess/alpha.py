@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import ctypes
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from ._arguments import as_each_axis
-from ._call import Handle, raise_on_failure, watched
+from ._call import Handle
 from ._library import lib
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._state import SeedCells
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int8Array = npt.NDArray[np.int8]
-    Int32Array = npt.NDArray[np.int32]
-    Int64Array = npt.NDArray[np.int64]
+    from ._types import BoolArray, Float64Array, Int8Array, Int32Array, Int64Array
 
 
 @dataclass(frozen=True)
@@ -75,9 +69,8 @@ def make_alpha(t: SeedCells, result: Handle, replicate: Union[int, Sequence[int]
     copies[:dimensions] = as_each_axis(replicate, "replicate", dimensions)
     if np.ndim(replicate) == 0 and any(t.periodic):
         copies[:dimensions][~np.array(t.periodic[:dimensions])] = 1
-    handle = Handle("alpha")
-    arguments = (points.ctypes.data, len(points), copies.ctypes.data, ctypes.byref(handle.pointer))
-    raise_on_failure(watched(lib.votess_alpha_new, result.pointer, *arguments))
+    arguments = (points.ctypes.data, len(points), copies.ctypes.data)
+    handle = Handle.made("alpha", lib.votess_alpha_new, result.pointer, *arguments)
 
     def arrays(name: str) -> Tuple[npt.NDArray[Any], ...]:
         return tuple(handle.array(name, k) for k in range(dimensions + 1))

@@ -11,11 +11,8 @@ from ._domain import Domain, as_domain
 from .tessellator import Tessellator, tessellate
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from ._types import Float64Array
     from .tessellation import Tessellation
-
-    Float64Array = npt.NDArray[np.float64]
 
 #: positions (N, 3), edges of the cell (3, 3), its corner (3,), and periodic flags
 _Parts = Tuple[Any, Any, Any, Any]

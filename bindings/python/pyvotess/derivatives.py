@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
-    """Returns the derivatives of volumes of parts in a mesh, from the triangles of pieces between two cells.
+    """Returns the derivatives of volumes of parts in a mesh, from the triangles or edges of pieces between two cells.
 
     The surface stays where it is, so that it adds nothing.
     """
@@ -29,7 +29,9 @@ def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
     inner = ~pieces.on_surface
     i, j = pieces.cells[piece[inner]], pieces.sources[inner].astype(np.int64)
     corners = pieces.vertices[pieces.triangles[inner] + pieces.vertex_offsets[piece[inner], None]]
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    along = corners[:, 1] - corners[:, 0]
+    size = places.shape[1]
+    area = np.linalg.norm(along if size == 2 else 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]), axis=1)
     at, vector = corners.mean(axis=1) - places[i], places[j] - places[i]
     scale = area / np.linalg.norm(vector, axis=1)
     row, seed = np.tile(i, 2), np.concatenate((i, j))
@@ -37,8 +39,8 @@ def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
         value = 0.5 * np.concatenate((scale, -scale))
         return coo_matrix((value, (row, seed)), shape=(len(t), len(t))).tocsr()
     value = np.concatenate((scale[:, None] * at, scale[:, None] * (vector - at))).ravel()
-    column = (3 * seed[:, None] + np.arange(3)).ravel()
-    return coo_matrix((value, (np.repeat(row, 3), column)), shape=(len(t), 3 * len(t))).tocsr()
+    column = (size * seed[:, None] + np.arange(size)).ravel()
+    return coo_matrix((value, (np.repeat(row, size), column)), shape=(len(t), size * len(t))).tocsr()
 
 
 def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any:

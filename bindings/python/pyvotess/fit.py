@@ -13,7 +13,7 @@ from ._arguments import as_count, as_flag, as_number
 from ._c_api import ErrorCode, PrecisionWord, WantName
 from ._call import Callbacks, Handle, Progress, VotessError, last_error, raise_on_failure, showing
 from ._domain import Domain, as_domain, with_short_forms
-from ._input import as_one_each, as_points, fill_weights
+from ._input import as_density, as_one_each, as_points, fill_weights
 from ._library import lib
 from ._run import implied_words, new_options
 from .tessellation import Tessellation
@@ -39,7 +39,7 @@ class FitSeconds:
 
 @dataclass(frozen=True)
 class VolumeFit:
-    """The outcome of :func:`fit_volumes`."""
+    """The outcome of :func:`fit_volumes`. With a density volumes are masses."""
 
     weights: Float64Array  #: (N,) float64; their mean is that of the weights at the start
     tessellation: Tessellation  #: the cells with these weights
@@ -81,6 +81,7 @@ def fit_volumes(
     weights: Optional[npt.ArrayLike] = None,
     max_steps: int = 200,
     normalize: bool = False,
+    density: Optional[npt.ArrayLike] = None,
     want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
     list_walls: bool = False,
     device: str = "auto",
@@ -98,8 +99,11 @@ def fit_volumes(
     ----------
     points : (N, 3) array of real numbers, as for :func:`tessellate`; no two are equal. (N, 2) in the plane, whose volumes
         are areas.
-    volumes : (N,) positive numbers that sum to the volume of the domain, or of the mesh, to a relative 1e-9.
+    volumes : (N,) positive numbers that sum to the volume of the domain or of the mesh, or to its mass, to a relative 1e-9.
     normalize : scale ``volumes`` to that sum: they are shares of the domain.
+    density : (nx, ny, nz) array of numbers >= 0, in the plane (nx, ny): constant in the boxes of a grid over the domain, as
+        that of :meth:`Diagram.to_grid`, with x first. Turn an image whose rows run down by ``image[::-1].T``. Then
+        ``volumes`` are masses, which :meth:`Tessellation.masses` returns. It may be 0 in places. Not in a mesh.
     tolerance : largest abs(volume - target) / target of the result.
     weights : (N,) weights to start from. Default, and where they leave a cell empty: 0.
     max_steps : maximum number of Newton steps; each takes one tessellation or more.
@@ -136,6 +140,10 @@ def fit_volumes(
     fit_options.tolerance = as_number(tolerance, "tolerance")
     fit_options.max_steps = as_count(max_steps, "max_steps", 32)
     fit_options.normalize = as_flag(normalize, "normalize")
+    grid = None if density is None else as_density(density, array.shape[1])
+    if grid is not None:
+        fit_options.density = grid.ctypes.data
+        fit_options.density_shape[:] = (*grid.shape, 1)[:3]
 
     fit = Handle("fit")
     with showing(progress) as show, Callbacks() as callbacks:
@@ -148,7 +156,7 @@ def fit_volumes(
             ctypes.byref(fit_options),
             ctypes.byref(fit.pointer),
         )
-    del kept
+    del kept, grid
     if not fit.pointer:
         raise_on_failure(status)
     stats = _c_api.FitStats(struct_size=ctypes.sizeof(_c_api.FitStats))

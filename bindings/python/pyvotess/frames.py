@@ -28,10 +28,8 @@ from .tessellator import Tessellator, tessellate
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ._types import Float64Array, Int64Array
     from .tessellation import Tessellation
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_count, as_number, shown
 from ._c_api import WantName
-from ._call import Handle, alone, raise_on_failure, watched
+from ._call import Handle, alone, raise_on_failure
 from ._domain import Domain, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points
 from ._library import lib
@@ -305,11 +305,8 @@ class Frames:
         self._periodic = any(where.periodic)
         self._lock = threading.Lock()
         self._calls = 0
-        self._handle = Handle("frames")
-        shared = None if share is None else share._open()
-        raise_on_failure(
-            watched(lib.votess_frames_new, ctypes.byref(frames), ctypes.byref(options), shared, ctypes.byref(self._handle.pointer))
-        )
+        given = (ctypes.byref(frames), ctypes.byref(options), None if share is None else share._open())
+        self._handle = Handle.made("frames", lib.votess_frames_new, *given)
         del kept
         text = ctypes.create_string_buffer(512)
         raise_on_failure(lib.votess_frames_device(self._handle.pointer, text, len(text)))
@@ -342,22 +339,17 @@ class Frames:
         array = as_points(points)
         masses = None if weights is None else as_one_each(weights, "weights", len(array), "points")
         function = lib.votess_frames_run_f32 if array.dtype == np.float32 else lib.votess_frames_run
-        cells = Handle("frame_cells")
         with alone(self._lock, "object of Frames"):
             self._calls += 1
             address = None if masses is None else masses.ctypes.data
-            raise_on_failure(
-                watched(function, self._open(), array.ctypes.data, address, len(array), ctypes.byref(cells.pointer))
-            )
-            return FrameCells(self, self._calls, cells)
+            given = (array.ctypes.data, address, len(array))
+            return FrameCells(self, self._calls, Handle.made("frame_cells", function, self._open(), *given))
 
     def _resolve(self, number: int) -> Handle:
-        cells = Handle("frame_cells")
         with alone(self._lock, "object of Frames"):
             if number != self._calls:
                 raise ValueError("resolve() completes the last call of these Frames: call it before the next one")
-            raise_on_failure(watched(lib.votess_frames_resolve, self._open(), ctypes.byref(cells.pointer)))
-        return cells
+            return Handle.made("frame_cells", lib.votess_frames_resolve, self._open())
 
     def _call_on_cuda(self, points: Any, weights: Any, stream: Any) -> CudaCells:
         from . import _cuda

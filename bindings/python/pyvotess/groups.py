@@ -5,16 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Optional
 
-import numpy as np
-
 from ._call import Handle
 from .mesh import Lists, Neighbors
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
+    from ._types import Float64Array, Int64Array
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,8 @@ from ._arguments import as_count
 from .export.optional import imported
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from ._call import Handle
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
-    Int8Array = npt.NDArray[np.int8]
+    from ._types import Float64Array, Int8Array, Int32Array, Int64Array
 
 
 class Lists:

@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import ctypes
+import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
-from ._arguments import as_axis
+from ._arguments import as_axis, as_number
 from ._call import Handle, WithHandle, raise_on_failure, watched
+from ._input import as_one_each
 from ._library import lib
 from .pairs import edges_of
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from ._state import SeedCells
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int8Array = npt.NDArray[np.int8]
-    Int32Array = npt.NDArray[np.int32]
+    from ._types import BoolArray, Float64Array, Int8Array, Int32Array
+    from .export.image import Image
 
 
 class IncludedSphere(NamedTuple):
@@ -111,6 +108,53 @@ class Network(WithHandle):
             raise ValueError(f"no edges lead to an image of themselves{along}: give a domain that is periodic there")
         return FreeSphere(radius.value, edge.value, IncludedSphere(included.value, vertex.value))
 
+    def image(
+        self,
+        file: Union[None, str, os.PathLike[str]] = None,
+        *,
+        color: Union[str, npt.ArrayLike] = "radius",
+        width: Optional[float] = None,
+        colormap: str = "tide",
+        cut: str = "none",
+        view: Tuple[float, float] = (36.0, 27.0),
+        size: Tuple[int, int] = (800, 600),
+        limits: Optional[Tuple[float, float]] = None,
+        threads: int = 0,
+    ) -> Image:
+        """Returns a picture of the edges that the library draws. Other arguments are those of :meth:`Tessellation.image`.
+
+        color : "radius", the smallest radius along each edge, or (E,) values; NaN is gray.
+        width : of an edge, a length. Default: a 150th of the network's longest side.
+
+        Raises ValueError in the plane, without edges, and for values that do not fit; OSError when the file cannot be
+        written.
+
+        >>> t.network().image(size=(200, 150))
+        <pyvotess image of 200 x 150 pixels>
+        """
+        from .export.image import image_of_pieces, png_path
+        from .export.tubes import tubes
+
+        if self.points.shape[1] == 2:
+            raise ValueError("image() works in three dimensions only: draw the edges with matplotlib")
+        if not len(self.edges):
+            raise ValueError("image(): the network has no edges to draw")
+        path = None if file is None else png_path(file, "file")
+        radius = isinstance(color, str) and color == "radius"
+        if isinstance(color, str) and not radius:
+            raise ValueError(f"color is {color!r}: give 'radius', or a value for each of the {len(self.edges)} edges")
+        values = as_one_each(self.edge_radii if radius else color, "color", len(self.edges), "edges")
+        begin = self.points[self.edges[:, 0]]
+        across = float(np.ptp(np.concatenate([begin, begin + self.vectors]), axis=0).max()) / 150
+        thick = across if width is None else as_number(width, "width")
+        if not 0 < thick < np.inf:
+            raise ValueError(f"width is {thick}: give a length above 0")
+        look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
+        picture = image_of_pieces(tubes(begin, self.vectors, thick), values, "radius" if radius else "", **look)
+        if path is not None:
+            picture.save(path)
+        return picture
+
     def to_networkx(self) -> Any:
         """Returns a networkx.MultiGraph. Vertices have ``x``, ``y``, in space ``z``, and ``radius``; edges ``radius``, ``length``, ``shift``.
 
@@ -143,11 +187,7 @@ class Network(WithHandle):
 
 def make_network(t: SeedCells, result: Handle) -> Network:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
-    handle = Handle("network")
-    raise_on_failure(
-        watched(lib.votess_network_new, result.pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
-    )
-
+    handle = Handle.made("network", lib.votess_network_new, result.pointer, points.ctypes.data, len(points))
     places, edges = handle.array("points"), handle.array("edges")
     vectors = places[edges[:, 1]] - places[edges[:, 0]]
     shifts = None
@@ -156,13 +196,11 @@ def make_network(t: SeedCells, result: Handle) -> Network:
         moved = shifts.any(axis=1)
         vectors[moved] += shifts[moved] @ edges_of(t)
     return Network(
+        **handle.arrays("vertices", "vertex_radii", "edge_radii"),
         points=places,
-        vertices=handle.array("vertices"),
-        vertex_radii=handle.array("vertex_radii"),
         at_walls=handle.array("at_walls").view(np.bool_),
         edges=edges,
         shifts=shifts,
         vectors=vectors,
-        edge_radii=handle.array("edge_radii"),
         _handle=handle,
     )

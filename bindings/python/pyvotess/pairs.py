@@ -8,14 +8,8 @@ from typing import TYPE_CHECKING, Optional
 import numpy as np
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from ._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
-    Int32Array = npt.NDArray[np.int32]
-    Int64Array = npt.NDArray[np.int64]
-    Int8Array = npt.NDArray[np.int8]
+    from ._types import Float64Array, Int8Array, Int32Array, Int64Array
 
 
 @dataclass(frozen=True)
@@ -45,16 +39,24 @@ def edges_of(t: SeedCells) -> Float64Array:
     return edges
 
 
+_PIECE = 1 << 17  # entries between chances for signal handlers to run
+
+
 def make_pairs(t: SeedCells) -> Pairs:
     rows = t.neighbors
-    i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
-    is_seed = rows.indices >= 0
-    i, j = i[is_seed], rows.indices[is_seed]
-    places = t.wrapped_points
-    vector = places[j] - places[i]
-    shift = None
-    if t.shifts is not None:
-        shift = t.shifts[is_seed]
-        vector += shift @ edges_of(t)
-    area = t.face_areas[is_seed] if "areas" in t.wanted else None
-    return Pairs(i, j, shift, vector, np.sqrt(np.einsum("pk,pk->p", vector, vector)), area)
+    i, j, shift = np.repeat(np.arange(len(t)), np.diff(rows.indptr)), rows.indices, t.shifts
+    area = t.face_areas if "areas" in t.wanted else None
+    is_seed = j >= 0
+    if not is_seed.all():
+        i, j = i[is_seed], j[is_seed]
+        shift = None if shift is None else shift[is_seed]
+        area = None if area is None else area[is_seed]
+    places, edges = t.wrapped_points, edges_of(t)
+    vector, distance = np.empty((len(i), places.shape[1])), np.empty(len(i))
+    for begin in range(0, len(i), _PIECE):
+        part = slice(begin, begin + _PIECE)
+        v = np.take(places, j[part], axis=0) - np.take(places, i[part], axis=0)
+        if shift is not None:
+            v += shift[part] @ edges
+        vector[part], distance[part] = v, np.sqrt(np.einsum("pk,pk->p", v, v))
+    return Pairs(i, j, shift, vector, distance, area)

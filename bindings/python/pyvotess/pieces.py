@@ -6,28 +6,26 @@ import ctypes
 import operator
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_number, as_path
 from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
-from ._input import as_array
+from ._input import as_array, as_one_each
 from ._library import lib
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._state import SeedCells
+    from ._types import BoolArray, Float64Array, Int32Array, Int64Array
+    from .export.image import Image
     from .export.viewer import View
 
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
-
 _FORMATS = (".glb", ".obj", ".stl", ".3mf", ".html")
+_FLAT_FORMATS = (".geojson",)
 
 
 class Piece(NamedTuple):
@@ -47,6 +45,10 @@ class Pieces:
     for each cavity. An edge occurs once in each direction, and more often in two cases: where more than two triangles of
     the mesh meet in it, and where ties leave triangles without an area. Pieces that touch share no vertices. Where a
     surface intersects itself, pieces overlap.
+
+    In the plane pieces are polygons with holes. Arrays then have two columns instead of three, and ``triangles`` are
+    edges, ring after ring, the outline first, with the piece on the left. :meth:`rings` returns places, and
+    ``shapely.geometry.shape(f["geometry"]) for f in pieces.__geo_interface__["features"]`` makes polygons of Shapely.
     """
 
     indptr: Int64Array  #: (N + 1,) the first piece of each cell
@@ -77,11 +79,51 @@ class Pieces:
             self.sources[part],
         )
 
+    @property
+    def planar(self) -> bool:
+        """Whether the pieces are polygons of the plane."""
+        return self.vertices.shape[1] == 2
+
+    def rings(self, index: int) -> List[Float64Array]:
+        """Returns the rings of a piece of the plane: (n, 2) places each, the outline counterclockwise, holes clockwise.
+
+        Raises ValueError for pieces in three dimensions.
+
+        >>> square = {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1, 1), (0, 1)]]}
+        >>> [len(ring) for ring in vt.tessellate([(0.5, 0.5)], mesh=square).pieces().rings(0)]
+        [4]
+        """
+        if not self.planar:
+            raise ValueError("rings() needs pieces of the plane: these are triangle meshes, take pieces[k]")
+        piece = self[index]
+        starts = piece.triangles[:, 0]
+        found, begin = [], 0
+        for k, end in enumerate(piece.triangles[:, 1]):
+            if end == starts[begin]:
+                found.append(piece.vertices[starts[begin : k + 1]])
+                begin = k + 1
+        return found
+
+    @property
+    def __geo_interface__(self) -> Dict[str, Any]:
+        """GeoJSON of pieces of the plane: a feature for each cell that has pieces, with the ``id`` of its seed."""
+        features = []
+        for row, number in enumerate(self.ids.tolist()):
+            polygons = [
+                [ring.tolist() + ring[:1].tolist() for ring in self.rings(k)]
+                for k in range(self.indptr[row], self.indptr[row + 1])
+            ]
+            if polygons:
+                geometry = {"type": "MultiPolygon", "coordinates": polygons}
+                features.append({"type": "Feature", "id": number, "properties": {"id": number}, "geometry": geometry})
+        return {"type": "FeatureCollection", "features": features}
+
     def __iter__(self) -> Iterator[Piece]:
         return (self[k] for k in range(len(self)))
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Pieces: {len(self)} pieces of {len(self.indptr) - 1} cells, {len(self.triangles)} triangles>"
+        what = "edges" if self.planar else "triangles"
+        return f"<pyvotess.Pieces: {len(self)} pieces of {len(self.indptr) - 1} cells, {len(self.triangles)} {what}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""
@@ -98,6 +140,46 @@ class Pieces:
     def cells(self) -> Int64Array:
         """(P,) the row of each piece, as a new array."""
         return np.repeat(np.arange(len(self.indptr) - 1), self.counts)
+
+    def image(
+        self,
+        file: Union[None, str, os.PathLike[str]] = None,
+        *,
+        color: Union[str, npt.ArrayLike] = "volume",
+        colormap: str = "tide",
+        cut: str = "none",
+        view: Tuple[float, float] = (36.0, 27.0),
+        size: Tuple[int, int] = (800, 600),
+        limits: Optional[Tuple[float, float]] = None,
+        threads: int = 0,
+    ) -> Image:
+        """Returns a picture of the pieces that the library draws. Arguments are those of :meth:`Tessellation.image`.
+
+        color : "volume", or (P,) values, one for each piece; NaN is gray.
+
+        Raises ValueError for pieces of the plane, no pieces, and values that do not fit; OSError when the file cannot be
+        written.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> vt.tessellate(points, mesh=solid).pieces(gap=0.05).image(size=(200, 150))
+        <pyvotess image of 200 x 150 pixels>
+        """
+        from .export.image import image_of_pieces, png_path
+
+        if self.planar:
+            raise ValueError("image() works in three dimensions only: use plot(), or save the pieces as .geojson")
+        path = None if file is None else png_path(file, "file")
+        values, label = (self.volumes, "volume") if isinstance(color, str) and color == "volume" else (color, "")
+        if isinstance(values, str):
+            raise ValueError(f"color is {values!r}: give 'volume', or a value for each of the {len(self)} pieces")
+        numbers = as_one_each(values, "color", len(self), "pieces")
+        names = ("vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids", "sources")
+        look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
+        picture = image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, **look)
+        if path is not None:
+            picture.save(path)
+        return picture
 
     def view(self) -> View:
         """Returns a page that shows the pieces in a browser, where the reader turns, cuts and parts them.
@@ -123,6 +205,7 @@ class Pieces:
         - ``.3mf``: for printers, in millimeters.
         - ``.stl``: all pieces in one, without names and materials.
         - ``.html``: the page of :meth:`view`.
+        - ``.geojson``: pieces of the plane alone, a feature for each cell.
 
         ids : (N,) whole numbers to name cells by.
 
@@ -138,8 +221,10 @@ class Pieces:
 
         file = as_path(path, "path")
         extension = os.path.splitext(file)[1].lower()
-        if extension not in _FORMATS:
-            raise ValueError(f"path is {file!r}: known are {' '.join(_FORMATS)}")
+        known = _FLAT_FORMATS if self.planar else _FORMATS
+        if extension not in known:
+            where = " for pieces of the plane" if self.planar else ""
+            raise ValueError(f"path is {file!r}: known{where} are {' '.join(known)}")
         numbers = as_array(self.ids if ids is None else ids, "ids")
         if numbers.shape != self.ids.shape or numbers.dtype.kind not in "iu":
             raise ValueError(
@@ -174,14 +259,8 @@ def make_pieces(
     raise_on_failure(status)
 
     return Pieces(
-        indptr=handle.array("indptr"),
-        vertex_offsets=handle.array("vertex_offsets"),
-        vertices=handle.array("vertices"),
-        triangle_offsets=handle.array("triangle_offsets"),
-        triangles=handle.array("triangles"),
+        **handle.arrays("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles"),
+        **handle.arrays("sources", "volumes", "centroids"),
         on_surface=handle.array("on_surface").view(np.bool_),
-        sources=handle.array("sources"),
-        volumes=handle.array("volumes"),
-        centroids=handle.array("centroids"),
         ids=np.arange(len(t)) if t.ids is None else np.asarray(t.ids, np.int64),
     )

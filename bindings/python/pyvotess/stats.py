@@ -127,6 +127,11 @@ def as_sample(sample: Optional[int], rng_seed: int) -> Tuple[int, int]:
     return cells, as_count(rng_seed, "rng_seed", 64)
 
 
+def read_report(passed: int, skipped: int, sampled: int, failure: bytes, proven: bool = False) -> VerifyReport:
+    names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped & bit)
+    return VerifyReport(bool(passed), failure.decode("utf-8", "replace"), names, sampled, proven=proven)
+
+
 def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
     """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one proves cells."""
     passed, proven, skipped, sampled = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
@@ -142,6 +147,4 @@ def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
             len(failure),
         )
     )
-    names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
-    text = failure.value.decode("utf-8", "replace")
-    return VerifyReport(bool(passed.value), text, names, sampled.value, proven=bool(proven.value))
+    return read_report(passed.value, skipped.value, sampled.value, failure.value, bool(proven.value))

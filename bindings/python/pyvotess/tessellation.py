@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .export.image import Image
     from .fields.shapes import Shapes
     from .export.viewer import View
+    from .masses import Masses
 
 
 class Tessellation(SeedCells):
@@ -104,8 +105,7 @@ class Tessellation(SeedCells):
         >>> t.delaunay().tetrahedra.shape[1]
         4
         """
-        handle = Handle("delaunay")
-        raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
+        handle = Handle.made("delaunay", lib.votess_delaunay_new, self._handle().pointer)
         return make_delaunay(handle, self.box.shape[1], self.shifts is not None)
 
     def network(self) -> Network:
@@ -191,10 +191,9 @@ class Tessellation(SeedCells):
         """
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
-        handle = Handle("zones")
         falls = as_flag(maxima, "maxima")
-        arguments = (array.ctypes.data, len(array), falls, ctypes.byref(handle.pointer))
-        raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))
+        arguments = (array.ctypes.data, len(array), falls)
+        handle = Handle.made("zones", lib.votess_zones_new, self._handle().pointer, *arguments)
         return read_zones(handle, self.lists_walls, falls)
 
     def groups(self, labels: npt.ArrayLike) -> Groups:
@@ -214,10 +213,28 @@ class Tessellation(SeedCells):
         """
         self._check_wanted("neighbors")
         array = as_labels(labels, "labels", len(self), "cells")
-        handle = Handle("groups")
-        arguments = (array.ctypes.data, len(array), ctypes.byref(handle.pointer))
-        raise_on_failure(watched(lib.votess_groups_new, self._handle().pointer, *arguments))
-        return read_groups(handle)
+        arguments = (array.ctypes.data, len(array))
+        return read_groups(Handle.made("groups", lib.votess_groups_new, self._handle().pointer, *arguments))
+
+    def masses(self, density: npt.ArrayLike, threads: int = 0) -> Masses:
+        """Returns masses, centers of mass and second moments of the cells under a density. Needs "faces" in want.
+
+        The integrals are exact up to rounding: the grid cuts the cells, nothing is sampled. :func:`fit_volumes` finds cells of
+        given masses.
+
+        density : (nx, ny, nz) array of numbers >= 0, in the plane (nx, ny): constant in the boxes of a grid over the domain, as
+            that of :meth:`Diagram.to_grid`, with x first. Turn an image whose rows run down by ``image[::-1].T``.
+        threads : as for :func:`tessellate`.
+
+        Raises ValueError in a mesh, and for cells that reach infinity.
+
+        >>> t.masses(np.arange(8).reshape(2, 2, 2)).masses.sum().round(6)
+        3.5
+        """
+        from .masses import masses_of
+
+        self._check_wanted("faces")
+        return masses_of(self, density, threads)
 
     def shapes(self, open: Optional[str] = None) -> Shapes:
         """Returns sphericity, aspect ratio and axes of each cell. Needs "faces" in want, but not in a mesh.
@@ -341,7 +358,8 @@ class Tessellation(SeedCells):
         from .export.image import image, png_path
 
         path = None if file is None else png_path(file, "file")
-        picture = image(self, self._handle(), color, colormap, slice, cut, view, size, limits, seeds, gap, open, threads)
+        look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
+        picture = image(self, self._handle(), color, slice, seeds, gap, open, **look)
         if path is not None:
             picture.save(path)
         return picture

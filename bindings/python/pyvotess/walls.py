@@ -18,7 +18,7 @@ from ._library import lib
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Float64Array = npt.NDArray[np.float64]
+    from ._types import Float64Array
 
 __all__ = ["cone", "cylinder", "sphere"]
 

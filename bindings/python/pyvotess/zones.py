@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import ctypes
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
 from ._arguments import as_number
-from ._call import Handle, WithHandle, raise_on_failure, watched
+from ._call import Handle, WithHandle
 from ._library import lib
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int32Array = npt.NDArray[np.int32]
+    from ._types import BoolArray, Float64Array, Int32Array
 
 
 @dataclass(frozen=True)
@@ -59,21 +54,14 @@ class Zones(WithHandle):
         >>> len(zones.merge(np.inf))
         1
         """
-        handle = Handle("zones")
         level = as_number(threshold, "threshold")
-        raise_on_failure(watched(lib.votess_zones_merge, self._pointer("watershed()"), level, ctypes.byref(handle.pointer)))
+        handle = Handle.made("zones", lib.votess_zones_merge, self._pointer("watershed()"), level)
         return read_zones(handle, self.at_walls is not None, self.maxima)
 
 
 def read_zones(handle: Handle, lists_walls: bool, maxima: bool) -> Zones:
     return Zones(
-        labels=handle.array("labels"),
-        cores=handle.array("cores"),
-        pairs=handle.array("pairs"),
-        saddles=handle.array("saddles"),
-        passes=handle.array("passes"),
-        parents=handle.array("parents"),
-        persistence=handle.array("persistence"),
+        **handle.arrays("labels", "cores", "pairs", "saddles", "passes", "parents", "persistence"),
         at_walls=handle.array("at_walls").view(np.bool_) if lists_walls else None,
         maxima=maxima,
         _handle=handle,

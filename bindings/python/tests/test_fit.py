@@ -385,7 +385,7 @@ class Transport(unittest.TestCase):
         t = relaxed.tessellation
         self.assertLess(np.abs(t.volumes / targets - 1).max(), 1.001e-9)
         self.assertLess(residual(relaxed.points, t.weights, targets, box=UNIT_BOX, periodic=True), 1.001e-9)
-        with self.assertRaisesRegex(ValueError, "density or volumes"):
+        with self.assertRaisesRegex(ValueError, "give the density as an array"):
             vt.lloyd(points, steps=1, density=lambda x: np.ones(len(x)), box=UNIT_BOX, volumes=targets)
 
 

@@ -84,5 +84,33 @@ class Images(unittest.TestCase):
             vt.tessellate(self.points, box=BOX).image(color=np.zeros(60))
 
 
+    def test_pieces_and_networks(self):
+        """A tetrahedron in two pieces; edges of a lattice along the axes."""
+        corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        t = vt.tessellate([(0.2, 0.2, 0.2), (0.8, 0.2, 0.2)], mesh=solid)
+        pieces, look = t.pieces(gap=0.05), {"size": (160, 120)}
+        # The default look of a result in a mesh draws the same pieces.
+        same = {"color": t.volumes[pieces.cells], "cut": "corner", "limits": (0, 0.2)}
+        of_cells = t.image(gap=0.05, color=t.volumes, limits=(0, 0.2), **look).pixels
+        np.testing.assert_array_equal(pieces.image(**same, **look).pixels, of_cells)
+        first, second = (pieces.image(color=[k, 1 - k], limits=(0, 1), **look).pixels for k in (0, 1))
+        self.assertGreater((first != second).any(axis=2).mean(), 0.05)
+        for color, message in (("area", "'volume', or a value"), ([1.0], r"\(1,\) for 2 pieces")):
+            with self.assertRaisesRegex(ValueError, message):
+                pieces.image(color=color)
+        square = {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1, 1), (0, 1)]]}
+        with self.assertRaisesRegex(ValueError, "three dimensions only: use plot"):
+            vt.tessellate([(0.5, 0.5)], mesh=square).pieces().image()
+        lattice = np.stack(np.meshgrid(*[np.arange(3) + 0.5] * 3), -1).reshape(-1, 3)
+        network = vt.tessellate(lattice, box=(0, 0, 0, 3, 3, 3), want="faces").network()
+        thin, thick = (network.image(width=width, view=(0, 0), size=(200, 200)).pixels for width in (0.02, 0.1))
+        shares = [(pixels[:, :150, :3] != 255).any(axis=2).mean() for pixels in (thin, thick)]
+        self.assertGreater(shares[1], 2 * shares[0])
+        self.assertGreater(shares[0], 0)
+        with self.assertRaisesRegex(ValueError, "width is 0"):
+            network.image(width=0)
+
+
 if __name__ == "__main__":
     unittest.main()

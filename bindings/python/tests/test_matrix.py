@@ -110,6 +110,8 @@ def kinds():
         Kind("periodic plane", 2, size=1, inside=everywhere, periods=unit[:2, :2], box=SQUARE, periodic=True),
         Kind("plane without end", 2, inside=everywhere, box="none"),
         Kind("mesh", size=0.512, inside=inner(0.1, 0.9), mesh=(CUBE[0] * 0.8 + 0.1, CUBE[1]), box=(0, 0, 0, 1, 1, 1)),
+        Kind("polygons", 2, size=0.8836, inside=inner(0.03, 0.97), box=SQUARE,
+             mesh=([(0.03, 0.03), (0.97, 0.03), (0.97, 0.97), (0.03, 0.97)], [(0, 1), (1, 2), (2, 3), (3, 0)])),
     ]
 
 
@@ -253,6 +255,13 @@ class Outputs:
         given = {key: value for key, value in self.kind.keywords.items()}
         fit = vt.fit_volumes(self.kind.seeds, np.ones(COUNT), normalize=True, **given)
         return np.allclose(fit.tessellation.volumes, self.kind.size / COUNT)
+
+    def masses(self):
+        """The parts of the domain in the boxes of the grid have them too."""
+        t, values = self.run("neighbors,volumes" if self.kind.in_mesh else "faces"), np.random.default_rng(8).random((4,) * self.kind.dimensions)
+        masses = t.masses(values)
+        size = abs(np.linalg.det(t.cell)) if t.cell is not None else np.prod(t.box[1] - t.box[0])
+        return np.isclose(masses.masses.sum(), (self.diagram().to_grid(np.ones(COUNT), 4) * values).mean() * size)
 
     def locate(self):
         places = self.kind.places(40)

@@ -20,6 +20,7 @@ from pyvotess import autodiff, walls
 
 N = 8
 POINTS = np.random.default_rng(1).random((N, 3))
+SURFACE = {"points": POINTS, "vertices": CUBE[0], "triangles": CUBE[1]}
 EACH = np.linspace(0.5, 1, N)
 ALL = "neighbors,volumes,centroids,areas,faces,surfaces,radii,counts"
 
@@ -48,7 +49,7 @@ _LENGTH = {"0", "1", "3", "2**32 + 1", "2**70", "0.5", "0-d"}
 _FUNCTION = {"None", "True", "function", "type"}
 #: Values that a parameter of this name takes, or that are right for the type and fail later.
 RIGHT = {
-    **dict.fromkeys(("list_walls", "middles", "at_walls", "gradient", "verify", "maxima", "normalize", "follow"), _FLAG),
+    **dict.fromkeys(("list_walls", "middles", "at_walls", "gradient", "verify", "maxima", "normalize", "follow", "merge"), _FLAG),
     **dict.fromkeys(("threads", "grid_resolution", "k_init", "chunk_size", "steps", "max_steps", "faces", "replicate", "shape"), _COUNT),
     "max_rows": {"None", *_COUNT},
     **dict.fromkeys(("gap", "min_edge", "min_face", "min_area", "tolerance", "radius", "angle", "over_relaxation"), _LENGTH),
@@ -62,10 +63,11 @@ RIGHT = {
     "lengths": {"None", "inf", *_LENGTH}, "edge_threshold": {"inf", *_LENGTH}, "min_edge": _LENGTH, "slice": {"None"}, "ax": {"None"},
     "threshold": {"-1", "-0.5", "inf", "-inf", *_LENGTH}, "values": {"nan each", "nan points"}, "gradients": {"None", "nan points"},
     "volumes": {"None", "nan each"}, "centroids": {"None", "nan points"}, "areas": {"None"}, "columns": {"None", "{}"},
+    "n": {"1", "3"}, "sharp": {"1", "3", "0.5", "0-d"},
     "color": {"None", "x", "nan each"}, "open": {"None"},
 }  # fmt: skip
 #: Other words of messages for a parameter.
-WORDS = {"queries": "query", "origins": "query", "radii": "radius", "limits": "box", "vectors": "cell", "repair": "mesh_repair"}
+WORDS = {"queries": "query", "origins": "query", "radii": "radius", "limits": "box", "vectors": "cell", "repair": "mesh_repair", "vertices": "vertex"}
 #: Errors that need not name the parameter: the combination with another argument is wrong, which is named.
 OTHERS = {
     ("tessellate in the plane", "points", "nan points"),
@@ -147,6 +149,10 @@ def calls():
         "fit_volumes": (vt.fit_volumes, {**domain, "volumes": EACH, "normalize": True, "tolerance": 0.1, "device": "cpu"}),
         "lloyd": (vt.lloyd, {**domain, "steps": 1, "device": "cpu"}),
         "lloyd of volumes": (vt.lloyd, {**domain, "steps": 0, "volumes": EACH, "normalize": True, "device": "cpu"}),
+        "surface": (vt.surface, SURFACE),
+        "lloyd_on_surface": (vt.lloyd_on_surface, {**SURFACE, "steps": 1}),
+        "remesh": (vt.remesh, {"vertices": CUBE[0], "triangles": CUBE[1], "n": 4, "steps": 0}),
+        "Remesh.save": (vt.remesh(*CUBE, 4, steps=0).save, {"path": "r.obj"}),
         "transport_cost": (vt.transport_cost, {"tessellation": t}),
         "from_ase": (vt.from_ase, {"atoms": []}),
         "write_frames": (vt.write_frames, {"path": "t.xyz", "frames": []}),
@@ -168,6 +174,7 @@ def calls():
         "Tessellation.pieces": (in_mesh.pieces, {}),
         "Tessellation.alpha_complex": (periodic.alpha_complex, {"replicate": 3}),
         "Tessellation.groups": (t.groups, {"labels": np.arange(N)}),
+        "Tessellation.masses": (t.masses, {"density": np.ones((2, 2, 2))}),
         "Tessellation.shapes": (t.shapes, {}),
         "Tessellation.mesh_quality": (t.mesh_quality, {}),
         "Tessellation.watershed": (t.watershed, {"values": EACH}),
@@ -237,7 +244,7 @@ class WrongValues(unittest.TestCase):
                     wrong.append(f"{call}: another answer after the wrong calls")
         self.assertFalse(wrong, f"{len(wrong)} wrong answers:\n" + "\n".join(wrong[:100]))
         self.assertEqual({label: repr(VALUES[label]) for label in before}, before, "arguments changed")
-        self.assertLessEqual(set(os.listdir()), {"t.npz", "t.glb", "t.xyz", "p.obj"})
+        self.assertLessEqual(set(os.listdir()), {"t.npz", "t.glb", "t.xyz", "p.obj", "r.obj"})
 
 
 class Words(unittest.TestCase):

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "distributed/blocks/messages.hpp"
 #include "distributed/blocks/partition.hpp"
 #include "input/option_name.hpp"
@@ -62,10 +64,6 @@ void check_for_blocks(const Settled& run) {
     if (run.duplicates == Duplicates::error)
         throw Error(ErrorCode::unsupported,
                     option("duplicates") + " = error is not available across blocks: check the statuses");
-}
-
-exact::Point point_of(std::span<const double> points, std::size_t i, double scale) {
-    return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
 }
 
 }  // namespace
@@ -149,21 +147,19 @@ std::vector<double> BlockDomain::places(std::span<const double> points) const {
     std::vector<double> places(points.size());
     for (std::size_t i = 0; i < points.size() / 3; ++i) {
         const auto place = cpu::place_in(*state_->job.domain, point_of(points, i, state_->job.scale));
-        if (!place)
-            throw Error(ErrorCode::invalid_argument,
-                        "point " + std::to_string(i) + " lies more than 500 million periods away from the box");
+        if (!place) refuse("point " + std::to_string(i) + " lies more than 500 million periods away from the box");
         for (std::size_t k = 0; k < 3; ++k) places[3 * i + k] = place->at[k];
     }
     return places;
 }
 
 void BlockDomain::split(std::span<const double> sample, std::size_t blocks) {
-    if (blocks == 0) throw Error(ErrorCode::invalid_argument, "a run needs one block or more");
+    if (blocks == 0) refuse("a run needs one block or more");
     std::vector<exact::Point> points(sample.size() / 3);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        points[i] = point_of(sample, i, 1);
+        points[i] = point_of(sample, i);
         if (!std::ranges::all_of(points[i], [](double x) { return std::isfinite(x); }))
-            throw Error(ErrorCode::invalid_argument, "place " + std::to_string(i) + " of the sample is not finite");
+            refuse("place " + std::to_string(i) + " of the sample is not finite");
     }
     state_->partition.emplace(std::move(points), blocks);
 }
@@ -172,7 +168,7 @@ std::vector<std::uint32_t> BlockDomain::blocks_of(std::span<const double> places
     if (!state_->partition) throw Error(ErrorCode::invalid_use, "blocks_of() before split()");
     std::vector<std::uint32_t> blocks(places.size() / 3);
     for (std::size_t i = 0; i < blocks.size(); ++i)
-        blocks[i] = static_cast<std::uint32_t>(state_->partition->block_of(point_of(places, i, 1)));
+        blocks[i] = static_cast<std::uint32_t>(state_->partition->block_of(point_of(places, i)));
     return blocks;
 }
 
@@ -189,9 +185,8 @@ Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::
     const std::size_t count = ids.size();
     if (points.size() != 3 * count || (!weights.empty() && weights.size() != count) ||
         (!tags.empty() && tags.size() != count))
-        throw Error(ErrorCode::invalid_argument, "ids, points, weights and tags of a block differ in number: give " +
-                                                     std::to_string(count) +
-                                                     " of each, and three times as many coordinates");
+        refuse("ids, points, weights and tags of a block differ in number: give " + std::to_string(count) +
+               " of each, and three times as many coordinates");
     state_ = with_memory([&] {
         Seeds own{{ids.begin(), ids.end()},
                   {points.begin(), points.end()},
@@ -199,8 +194,8 @@ Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::
                   {tags.begin(), tags.end()}};
         for (std::size_t i = 0; i < count; ++i)
             if (own.ids[i] < 0 || (i > 0 && own.ids[i] <= own.ids[i - 1]))
-                throw Error(ErrorCode::invalid_argument, "ids of a block must ascend from 0 on: the one at " +
-                                                             std::to_string(i) + " is " + std::to_string(own.ids[i]));
+                refuse("ids of a block must ascend from 0 on: the one at " + std::to_string(i) + " is " +
+                       std::to_string(own.ids[i]));
         own.tags.resize(count, 0);
         return std::make_unique<detail::BlockState>(domain, std::move(own));
     });
@@ -224,10 +219,9 @@ Message Block::halo_for(const Message& outline) const {
 
 void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos) {
     if (halos.size() != outlines.size() || own >= outlines.size())
-        throw Error(ErrorCode::invalid_argument,
-                    "clip() of a block needs an outline and a halo of each block, but got " +
-                        std::to_string(outlines.size()) + " and " + std::to_string(halos.size()) + ", for block " +
-                        std::to_string(own));
+        refuse("clip() of a block needs an outline and a halo of each block, but got " +
+               std::to_string(outlines.size()) + " and " + std::to_string(halos.size()) + ", for block " +
+               std::to_string(own));
     with_memory([&] {
         std::vector<blocks::Outline> others(outlines.size());
         Seeds all;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "distributed/blocks/far_cells.hpp"
 #include "input/settle.hpp"
@@ -148,8 +149,8 @@ LocalBlock::LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds
         for (std::size_t k = 0; k < 3; ++k) x[k] = all_.seeds.points[3 * i + k] * job_.scale;
         const auto place = cpu::place_in(*job_.domain, x);
         if (!place)
-            throw Error(ErrorCode::invalid_argument, "seed " + std::to_string(all_.seeds.ids[i]) +
-                                                         " lies more than 500 million periods away from the box");
+            refuse("seed " + std::to_string(all_.seeds.ids[i]) +
+                   " lies more than 500 million periods away from the box");
         places_.push_back(place->at);
     }
     job_.points = {};

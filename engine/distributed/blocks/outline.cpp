@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/arithmetic.hpp"
-
 namespace votess::blocks {
 namespace {
 
@@ -13,17 +11,6 @@ constexpr double halo_spacings = 2.5;  // nearly all cells at a border have a sm
 constexpr std::size_t max_images = 512;
 
 using Vector = std::array<double, 3>;
-
-Box no_box() {
-    return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-}
-
-void include(Box& box, const Box& other) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = std::min(box.lower[k], other.lower[k]);
-        box.upper[k] = std::max(box.upper[k], other.upper[k]);
-    }
-}
 
 Box moved(const Box& box, const Vector& by) {
     Box result;
@@ -90,8 +77,8 @@ public:
 
 private:
     [[nodiscard]] Box box_of(Range range) const {
-        Box box = no_box();
-        for (std::size_t k = range.begin; k < range.end; ++k) include(box, {seeds_[k].x, seeds_[k].x});
+        Box box = empty_box;
+        for (std::size_t k = range.begin; k < range.end; ++k) include(box, seeds_[k].x);
         return box;
     }
 
@@ -126,15 +113,6 @@ Box boxes_around(const std::vector<Tile>& tiles, std::size_t node, std::size_t b
 
 }  // namespace
 
-double distance_squared(const Box& a, const Box& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double gap = std::max({0.0, a.lower[k] - b.upper[k], b.lower[k] - a.upper[k]});
-        sum += gap * gap;
-    }
-    return sum;
-}
-
 TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights, ThreadPool& pool) {
     TiledSeeds tiled;
     tiled.begin.assign(1, 0);
@@ -156,7 +134,7 @@ TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const d
 }
 
 Outline outline_of(std::vector<Tile> tiles) {
-    Outline outline{no_box(), -infinity, std::move(tiles), {}};
+    Outline outline{empty_box, -infinity, std::move(tiles), {}};
     for (const Tile& tile : outline.tiles)
         outline.largest_weight = std::max(outline.largest_weight, tile.largest_weight);
     if (outline.tiles.empty()) return outline;
@@ -259,7 +237,7 @@ void Nearness::for_unknown(const Tile& tile, const Box& known, const Box& home, 
     };
     if (for_images(tile.box, home, distance, outside_halo)) return;
     // Too many images: one box stands for all of space.
-    visit({{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}});
+    visit(all_space);
 }
 
 }  // namespace votess::blocks

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/box.hpp"
 #include "core/thread_pool.hpp"
 #include "domain/domain.hpp"
 
@@ -42,9 +43,6 @@ private:
         for_tiles(test, visit, node + 2 * (middle - begin), middle, end);
     }
 };
-
-// Returns 0 for boxes that meet.
-double distance_squared(const Box& a, const Box& b);
 
 Outline outline_of(std::vector<Tile> tiles);
 // Returns one tile of width 0, for blocks that get no halo.

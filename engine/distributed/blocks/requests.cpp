@@ -8,18 +8,6 @@
 #include "query/locator.hpp"
 
 namespace votess::blocks {
-namespace {
-
-double distance_squared(const exact::Point& x, const Box& box) {
-    double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
-        sum += gap * gap;
-    }
-    return sum;
-}
-
-}  // namespace
 
 // Finds the pending cells of one tile after the other. One per thread.
 class LocalBlock::Requester {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 
 namespace votess::mpi {
 namespace {
@@ -170,11 +170,7 @@ std::vector<Message> Ranks::gather_all(const Message& own) const {
 }
 
 Box Ranks::bounds_of(std::span<const double> points) const {
-    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        bounds.lower[i % 3] = std::min(bounds.lower[i % 3], points[i]);
-        bounds.upper[i % 3] = std::max(bounds.upper[i % 3], points[i]);
-    }
+    Box bounds = votess::bounds_of(points);
     for (std::size_t k = 0; k < 3; ++k) {
         bounds.lower[k] = minimum(bounds.lower[k]);
         bounds.upper[k] = maximum(bounds.upper[k]);

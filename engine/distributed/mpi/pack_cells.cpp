@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/errors.hpp"
 #include "result/arrays.hpp"
 
 namespace votess::mpi {
@@ -123,7 +124,7 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
     for (std::size_t i = 0; i < ids.size(); ++i) {
         const auto& [source, k] = where[i];
         if (source == nobody && status[i] != CellStatus::outside)
-            throw Error(ErrorCode::internal, "a bug in votess: the cell of id " + std::to_string(ids[i]) + " was lost");
+            bug("the cell of id " + std::to_string(ids[i]) + " was lost");
         const std::size_t length =
             source == nobody ? 0 : begin_of(all[source].cells, k + 1) - begin_of(all[source].cells, k);
         out.indptr.push_back(out.indptr.back() + static_cast<std::int64_t>(length));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
 #include "distributed/mpi/pack_cells.hpp"
@@ -64,7 +65,6 @@ private:
     }
 
     void check_input() {
-        const auto refuse = [](const std::string& what) { throw Error(ErrorCode::invalid_argument, what); };
         const std::size_t dimensions = dimensions_, count = points_.size() / dimensions;
         if (points_.size() % dimensions != 0)
             refuse("points hold " + std::to_string(points_.size()) + " coordinates, which is not a multiple of " +
@@ -90,9 +90,8 @@ private:
             const bool given = ranks_.maximum(std::uint64_t{own}) > 0;
             ranks_.together([&] {
                 if (given && own != count())
-                    throw Error(ErrorCode::invalid_argument,
-                                "it has " + std::to_string(own) + " " + name + " for " + std::to_string(count()) +
-                                    " points, but another rank has " + name + ": give them on all ranks or on none");
+                    refuse("it has " + std::to_string(own) + " " + name + " for " + std::to_string(count()) +
+                           " points, but another rank has " + name + ": give them on all ranks or on none");
             });
             return given;
         };
@@ -114,8 +113,7 @@ private:
         std::ranges::sort(all);
         ranks_.together([&] {
             const auto twice = std::ranges::adjacent_find(all);
-            if (twice != all.end())
-                throw Error(ErrorCode::invalid_argument, "id " + std::to_string(*twice) + " is given twice");
+            if (twice != all.end()) refuse("id " + std::to_string(*twice) + " is given twice");
         });
     }
 

@@ -5,7 +5,8 @@
 #include <string>
 #include <thread>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
+#include "core/errors.hpp"
 #include "input/option_name.hpp"
 #include "input/settle.hpp"
 #include "plane/sheet.hpp"
@@ -14,24 +15,8 @@
 namespace votess::stream {
 namespace {
 
-constexpr Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::size_t task_seeds = 4096;
 constexpr std::uint32_t no_block = std::numeric_limits<std::uint32_t>::max();
-
-[[noreturn]] void refuse(const std::string& what) {
-    throw Error(ErrorCode::invalid_argument, what);
-}
-
-void include(Box& box, const exact::Point& x) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = std::min(box.lower[k], x[k]);
-        box.upper[k] = std::max(box.upper[k], x[k]);
-    }
-}
-
-exact::Point point_of(std::span<const double> points, std::size_t i, double scale) {
-    return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
-}
 
 Job job_of(std::uint64_t first, const StreamSeeds& some, Settled run) {
     run.points = {some.points, {}, first};
@@ -86,7 +71,7 @@ Intake::Intake(StreamSource& source, const Settled& whole, bool hull, const std:
       pool_(whole.threads),
       max_at_once_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 400), 1000, 250000)),
       max_sampled_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 800), 1000, 1000000)),
-      bounds_(nothing) {
+      bounds_(empty_box) {
     if (hull) hull_.emplace(whole.region);
     if (source_.restart()) return;
     file_.emplace(folder);
@@ -166,7 +151,7 @@ void Intake::check_kind(std::uint64_t first, const StreamSeeds& some) {
 void Intake::check(std::uint64_t first, const StreamSeeds& some) {
     std::vector<CellStatus> outside;
     const Box box = check_points({some.points, {}, first}, region_, outside);
-    for (const exact::Point& x : {box.lower, box.upper}) include(bounds_, x);
+    include(bounds_, box);
 }
 
 // Keeps every 2^k-th seed, with the least k that fits.
@@ -218,7 +203,7 @@ Intake::BlockSpools Intake::distribute(const Settled& of_blocks, std::size_t blo
     BlockSpools spools{std::vector(blocks, Spool(ids)),
                        std::vector(blocks, Spool(seeds)),
                        std::vector(blocks, Spool(seeds)),
-                       std::vector(blocks, nothing),
+                       std::vector(blocks, empty_box),
                        std::vector(blocks, -infinity),
                        std::vector<std::uint64_t>(blocks),
                        {}};

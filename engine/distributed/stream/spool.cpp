@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/errors.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::stream {
@@ -67,7 +68,7 @@ void Spool::append_bytes(std::span<const std::byte> bytes) {
 }
 
 void Spool::read_bytes(std::span<std::byte> to) {
-    if (to.size() > remaining()) throw Error(ErrorCode::internal, "a bug in votess: a spool is read beyond its end");
+    if (to.size() > remaining()) bug("a spool is read beyond its end");
     read_ += to.size();
     while (!to.empty()) {
         const Extent& extent = extents_[extent_];

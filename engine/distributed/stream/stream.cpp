@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/errors.hpp"
 #include "core/system.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "distributed/blocks/messages.hpp"
@@ -402,13 +403,12 @@ private:
 
 StreamResult run_stream(StreamSource& source, StreamSink& sink, const Settled& whole, const StreamOptions& stream) {
     if (stream.memory < StreamOptions::least_memory)
-        throw Error(ErrorCode::invalid_argument, "StreamOptions::memory = " + std::to_string(stream.memory) +
-                                                     " bytes is too little: give at least " +
-                                                     std::to_string(StreamOptions::least_memory));
+        refuse("StreamOptions::memory = " + std::to_string(stream.memory) + " bytes is too little: give at least " +
+               std::to_string(StreamOptions::least_memory));
     if (!whole.weights.empty())
-        throw Error(ErrorCode::invalid_argument, option("weights") + " and " + option("radii") +
-                                                     " of a stream come from its source with the points: leave them "
-                                                     "out of the options");
+        refuse(option("weights") + " and " + option("radii") +
+               " of a stream come from its source with the points: leave them "
+               "out of the options");
     (void)free_bytes(temporary_folder(stream.temporary));  // throws if it cannot be used
     try {
         return Run(source, sink, whole, stream)();

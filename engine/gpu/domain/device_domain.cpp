@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/box.hpp"
 #include "gpu/domain/walls.hpp"
 
 namespace votess::gpu {
@@ -69,10 +70,7 @@ Box device_box(const Job& job) {
     if (!has_device_walls(*job.domain)) return job.box;
     Box box = job.box;
     for (std::size_t i = 0; i < job.beyond.size(); ++i)
-        for (std::size_t k = 0; k < 3 && job.beyond[i]; ++k) {
-            box.lower[k] = std::min(box.lower[k], job.points[3 * i + k]);
-            box.upper[k] = std::max(box.upper[k], job.points[3 * i + k]);
-        }
+        if (job.beyond[i]) include(box, point_of(job.points, i));
     leave_room(box);
     return whole_box(box, {true, true, true});
 }

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/box.hpp"
+
 namespace votess::gpu {
 namespace {
 
@@ -39,15 +41,8 @@ Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const B
 }
 
 Box Parts::bounds(std::size_t begin, std::size_t end) const {
-    Box box;
-    box.lower.fill(std::numeric_limits<double>::infinity());
-    box.upper.fill(-std::numeric_limits<double>::infinity());
-    for (std::size_t i = begin; i < end; ++i)
-        for (int k = 0; k < 3; ++k) {
-            const double x = job_.points[3 * static_cast<std::size_t>(order_[i]) + k];
-            box.lower[k] = std::min(box.lower[k], x);
-            box.upper[k] = std::max(box.upper[k], x);
-        }
+    Box box = empty_box;
+    for (std::size_t i = begin; i < end; ++i) include(box, point_of(job_.points, static_cast<std::size_t>(order_[i])));
     return box;
 }
 

@@ -164,6 +164,11 @@ std::vector<Case> kinds_of_domains(std::size_t n) {
     mesh("mesh");
     mesh("mesh, volumes alone").options.want = {.neighbors = false};
     mesh("periodic mesh").options.periodic = {true, true, true};
+    Case& polygon = mesh("polygon");
+    polygon.points.resize(2 * n);
+    polygon.options.planar = true;
+    polygon.options.box = votess::Box{{0, 0, 0}, {1, 1, 0}};
+    polygon.solid = {{0.3, 0.3, 0.8, 0.3, 0.8, 0.8, 0.3, 0.8}, {0, 1, 1, 2, 2, 3, 3, 0}};
     const auto some = [&](Case& c) {
         for (std::size_t i = 0; i < n; i += 3) c.only.push_back(static_cast<std::int64_t>(n - 1 - i));
     };

@@ -175,7 +175,8 @@ static void check_pieces(const votess_result* result) {
                                   ARRAY(pieces, pieces, "triangle_offsets", NULL),
                                   ARRAY(pieces, pieces, "triangles", NULL),
                                   ARRAY(pieces, pieces, "on_surface", &length),
-                                  ARRAY(pieces, pieces, "centroids", NULL)};
+                                  ARRAY(pieces, pieces, "centroids", NULL),
+                                  ARRAY(pieces, pieces, "sources", NULL)};
     CHECK(length == (size_t)arrays.triangle_offsets[8]);
     CHECK(ARRAY(pieces, pieces, "sources", &length) != NULL && length == (size_t)arrays.triangle_offsets[8]);
     uint64_t bytes = 0;

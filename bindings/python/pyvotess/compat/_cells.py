@@ -10,12 +10,8 @@ import numpy as np
 from ._pause import garbage_collector_paused
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .._types import Float64Array, Int64Array
     from ..tessellation import Tessellation
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
 
 #: Number of cells that are filled together: enough to spread the cost of NumPy's calls, few enough to be quick. It
 #: doubles for consecutive blocks up to the second number, because the garbage collector scans all cells in between.

@@ -16,10 +16,7 @@ from ._points import OfPoints
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
-    BoolArray = npt.NDArray[np.bool_]
+    from .._types import BoolArray, Float64Array, Int32Array, Int64Array
 
 #: by dimension: the face opposite to each corner of a positive simplex, counterclockwise seen from outside or around it
 _OPPOSITE = {

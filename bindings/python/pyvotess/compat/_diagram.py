@@ -12,11 +12,7 @@ from ..tessellator import tessellate
 from ._points import qhull_error
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
+    from .._types import BoolArray, Float64Array, Int64Array
 
 
 class Diagram:

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, Any, List
 import numpy as np
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
+    from .._types import Float64Array, Int64Array
 
 
 def orientation(points: Float64Array, *ids: Int64Array) -> Int64Array:

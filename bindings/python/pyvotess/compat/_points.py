@@ -10,9 +10,7 @@ import numpy as np
 from .._input import as_points
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Float64Array = npt.NDArray[np.float64]
+    from .._types import Float64Array
 
 
 class QhullError(RuntimeError):

@@ -14,10 +14,7 @@ from ._points import OfPoints
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
-    BoolArray = npt.NDArray[np.bool_]
+    from .._types import BoolArray, Int32Array, Int64Array
 
 
 def _rows(indptr: Int64Array, values: Int64Array, kept: BoolArray) -> List[List[int]]:

@@ -20,11 +20,8 @@ from ..export.optional import imported
 from ..tessellator import tessellate
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .._types import Float64Array
     from ..tessellation import Tessellation
-
-    Float64Array = npt.NDArray[np.float64]
 
 __all__ = ["Voronoi"]
 

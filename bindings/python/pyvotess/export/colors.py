@@ -13,12 +13,8 @@ from .._library import lib
 from .columns import color_values
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from .._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
-    UInt8Array = npt.NDArray[np.uint8]
+    from .._types import Float64Array, UInt8Array
 
 COLORMAPS = {"tide": 0, "ember": 1, "gray": 2}
 

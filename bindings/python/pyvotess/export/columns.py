@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .._state import SeedCells
+    from .._types import Float64Array
 
-    Float64Array = npt.NDArray[np.float64]
     Columns = Optional[Mapping[str, npt.ArrayLike]]
 
 _PLOT_WORDS = {"volume": "volumes", "area": "surface_areas"}

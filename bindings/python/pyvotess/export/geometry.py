@@ -10,9 +10,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
+    from .._types import Float64Array, Int64Array
 
 
 POLYGON, POLYHEDRON = 7, 42  #: cell types of VTK

@@ -13,12 +13,10 @@ from .columns import color_values
 from .plot import sections_in_box
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from .._state import SeedCells
+    from .._types import Float64Array
 
     Rows = List[Tuple[str, str]]
-    Float64Array = npt.NDArray[np.float64]
 
 _PIXELS = 260  # of the longer side
 _MAX_SEEDS = 200_000  # the section takes well below a second
@@ -160,13 +158,15 @@ def html_of_pieces(pieces: Any) -> str:
         if len(pieces):
             found += [
                 ("most of one cell", f"{pieces.counts.max()}"),
-                ("triangles", f"{len(pieces.triangles)}, {int(pieces.on_surface.sum())} on the surface"),
-                ("volume sum", f"{pieces.volumes.sum():.10g}"),
-                ("volumes", f"{pieces.volumes.min():.6g} to {pieces.volumes.max():.6g}"),
+                ("edges" if pieces.planar else "triangles", f"{len(pieces.triangles)}, {int(pieces.on_surface.sum())} on the surface"),
+                ("area sum" if pieces.planar else "volume sum", f"{pieces.volumes.sum():.10g}"),
+                ("areas" if pieces.planar else "volumes", f"{pieces.volumes.min():.6g} to {pieces.volumes.max():.6g}"),
             ]
         return found
 
     def picture() -> str:
+        if pieces.planar:
+            return ""
         counts = np.diff(pieces.triangle_offsets)
         triangles = pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], counts)[:, None]
         a, b, c = np.moveaxis(_seen(pieces.vertices)[triangles], 1, 0)

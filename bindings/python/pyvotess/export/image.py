@@ -8,10 +8,11 @@ import struct
 import zlib
 from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
+from .. import _c_api
 from .._arguments import as_count, as_flag, as_number, as_path, as_word, shown
 from .._call import raise_on_failure, watched
 from .._input import as_array
@@ -65,6 +66,9 @@ _init.restype, _init.argtypes = c_int, (POINTER(Options), c_size_t)
 _render = lib.votess_render
 _render.restype = c_int
 _render.argtypes = (c_void_p, c_void_p, c_size_t, POINTER(Options), c_void_p, c_size_t, POINTER(c_uint64))
+_render_pieces = lib.votess_render_pieces
+_render_pieces.restype = c_int
+_render_pieces.argtypes = (POINTER(_c_api.PieceArrays), POINTER(Options), c_void_p, c_size_t)
 
 
 @dataclass(frozen=True)
@@ -103,26 +107,19 @@ def png_path(path: Union[str, os.PathLike[str]], name: str) -> str:
     return file
 
 
-def image(
-    t: SeedCells,
-    handle: Handle,
-    color: Union[str, npt.ArrayLike],
+def _options(
+    values: npt.NDArray[np.float64],
+    label: str,
     colormap: str,
-    slice: Optional[Tuple[str, float]],
     cut: str,
     view: Tuple[float, float],
     size: Tuple[int, int],
     limits: Optional[Tuple[float, float]],
-    seeds: bool,
-    gap: float,
-    open: Optional[str],
     threads: int,
-) -> Image:
-    """See :meth:`pyvotess.Tessellation.image`."""
+) -> Options:
+    """Returns options that refer to the values, for any picture."""
     options = Options()
     raise_on_failure(_init(ctypes.byref(options), ctypes.sizeof(options)))
-    numbers, label = color_values(t, color)
-    values = np.ascontiguousarray(numbers, dtype=np.float64)
     options.values, options.value_count = values.ctypes.data, len(values)
     options.label = label.encode()
     options.colormap = as_word(colormap, "colormap", COLORMAPS)
@@ -135,6 +132,24 @@ def image(
         options.range[:] = pair(limits, "limits")
         if not -np.inf < options.range[0] < options.range[1] < np.inf:
             raise ValueError(f"limits is {shown(limits)}: give two finite numbers, the lower one first")
+    options.threads = as_count(threads, "threads", 32)
+    return options
+
+
+def image(
+    t: SeedCells,
+    handle: Handle,
+    color: Union[str, npt.ArrayLike],
+    slice: Optional[Tuple[str, float]],
+    seeds: bool,
+    gap: float,
+    open: Optional[str],
+    **look: Any,
+) -> Image:
+    """See :meth:`pyvotess.Tessellation.image`. ``look``: further arguments of _options()."""
+    numbers, label = color_values(t, color)
+    values = np.ascontiguousarray(numbers, dtype=np.float64)
+    options = _options(values, label, **look)
     if slice is not None:
         axis, value = two(slice, "slice")
         options.slice_axis = as_word(axis, "slice", {"x": 0, "y": 1, "z": 2})
@@ -142,13 +157,29 @@ def image(
     options.seeds = as_flag(seeds, "seeds")
     options.gap = as_number(gap, "gap")
     options.skip_open = open is not None and as_word(open, "open", {"skip": 1})
-    options.threads = as_count(threads, "threads", 32)
     pixels = np.empty((options.height, options.width, 4), np.uint8)
     points = np.ascontiguousarray(t.points, dtype=np.float64)
     left_out = c_uint64()
     seen = (handle.pointer, points.ctypes.data, len(points), ctypes.byref(options))
     raise_on_failure(watched(_render, *seen, pixels.ctypes.data, pixels.nbytes, ctypes.byref(left_out)))
     return Image(pixels, left_out.value)
+
+
+def image_of_pieces(arrays: Mapping[str, Any], values: npt.NDArray[np.float64], label: str, **look: Any) -> Image:
+    """Draws closed triangle meshes. ``arrays``: those of ``votess_piece_arrays``, of which each row is one piece."""
+    count = len(arrays["vertex_offsets"]) - 1
+    rows = {"indptr": np.arange(count + 1, dtype=np.int64), "ids": np.arange(count, dtype=np.int64)}
+    kept = {name: np.ascontiguousarray(array) for name, array in {**arrays, **rows}.items()}
+    given = _c_api.PieceArrays(
+        struct_size=ctypes.sizeof(_c_api.PieceArrays), rows=count, **{name: array.ctypes.data for name, array in kept.items()}
+    )
+    numbers = np.ascontiguousarray(values, np.float64)
+    options = _options(numbers, label, **look)
+    pixels = np.empty((options.height, options.width, 4), np.uint8)
+    raise_on_failure(
+        watched(_render_pieces, ctypes.byref(given), ctypes.byref(options), pixels.ctypes.data, pixels.nbytes)
+    )
+    return Image(pixels, 0)
 
 
 def two(values: Any, name: str) -> Tuple[Any, Any]:

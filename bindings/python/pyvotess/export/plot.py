@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
+    from .._types import Float64Array, Int64Array
 
 _AXES = "xyz"
 
@@ -122,12 +120,17 @@ def _parse_slice(t: SeedCells, where: Any) -> Tuple[int, float]:
 
 
 def _draw(
-    t: SeedCells, cells: Int64Array, polygons: List[Float64Array], axes: Tuple[int, int], color: Any, ax: Any, style: Any
+    t: SeedCells, cells: Int64Array, polygons: List[List[Float64Array]], axes: Tuple[int, int], color: Any, ax: Any, style: Any
 ) -> Any:
-    """Draws polygons of cells in the plane of two axes."""
+    """Draws polygons of cells in the plane of two axes. A polygon is its outline, then its holes, which turn the other way."""
     import matplotlib.pyplot as plt
-    from matplotlib.collections import PolyCollection
+    from matplotlib.collections import PathCollection
     from matplotlib.colors import LogNorm, Normalize
+    from matplotlib.path import Path
+
+    def path_of(rings: List[Float64Array]) -> Path:
+        codes = [[Path.MOVETO] + [Path.LINETO] * (len(ring) - 1) + [Path.CLOSEPOLY] for ring in rings]
+        return Path(np.concatenate([part for ring in rings for part in (ring, ring[:1])]), np.concatenate(codes))
 
     values, label = color_values(t, color)
     low, high, logarithmic = limits(values)
@@ -138,7 +141,7 @@ def _draw(
     across, up = axes
     if ax is None:
         ax = plt.subplots()[1]
-    collection = PolyCollection(polygons, array=values[cells], **style)
+    collection = PathCollection([path_of(rings) for rings in polygons], array=values[cells], **style)
     ax.add_collection(collection)
     ax.set(xlim=box[:, across], ylim=box[:, up], xlabel=_AXES[across], ylabel=_AXES[up], aspect="equal")
     ax.figure.colorbar(collection, ax=ax, label=label, extend="both")
@@ -148,13 +151,16 @@ def _draw(
 def _plot_slice(t: SeedCells, axis: int, value: float, color: Any, ax: Any, style: Any) -> Any:
     cells, polygons = sections_in_box(t, axis, value)
     across, up = (k for k in range(3) if k != axis)
-    ax = _draw(t, cells, polygons, (across, up), color, ax, style)
+    ax = _draw(t, cells, [[polygon] for polygon in polygons], (across, up), color, ax, style)
     ax.set_title(f"{_AXES[axis]} = {value:g}")
     return ax
 
 
 def _plot_plane(t: SeedCells, color: Any, ax: Any, style: Any) -> Any:
-    """Draws the cells of the plane, in a periodic domain with their images inside the box."""
+    """Draws the cells of the plane, in a periodic domain with their images inside the box; in polygons their pieces."""
+    if t.in_mesh:
+        pieces = t.pieces()  # type: ignore[attr-defined]
+        return _draw(t, pieces.cells, [pieces.rings(k) for k in range(len(pieces))], (0, 1), color, ax, style)
     try:
         polygons = t.polygons
     except AttributeError:
@@ -167,7 +173,7 @@ def _plot_plane(t: SeedCells, color: Any, ax: Any, style: Any) -> Any:
             image = polygon + shift @ edges
             if len(image) and (image.max(axis=0) > box[0]).all() and (image.min(axis=0) < box[1]).all():
                 cells.append(cell)
-                images.append(image)
+                images.append([image])
     return _draw(t, np.array(cells, np.int64), images, (0, 1), color, ax, style)
 
 

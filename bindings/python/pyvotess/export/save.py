@@ -64,6 +64,8 @@ def _checked_kind(
         raise ValueError(f"{extension} keeps all edges, and min_edge is given: {_that(edges=True)} collapse short ones")
     if color is not None and not kind.color:
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
+    if kind.mesh and t.in_mesh and t.planar:
+        raise ValueError(f"a {extension} file holds no polygons with holes: save t.pieces(), as .geojson")
     if kind.mesh and t.in_mesh and extension not in (".vtu", ".html"):
         raise ValueError(
             f"a {extension} file holds polygons of whole cells: write .vtu, or save t.pieces(), as .glb, .obj, .stl or .3mf"

@@ -164,6 +164,8 @@ def _own_columns(pieces: Any) -> Values:
 
 def view_of_pieces(pieces: Any, columns: Optional[Values] = None, colormap: str = "tide") -> View:
     """See :meth:`pyvotess.Pieces.view`. ``columns``: (P,) values of the pieces; default: their volumes and cells."""
+    if pieces.planar:
+        raise ValueError("view() works in three dimensions only: use plot(), or save the pieces as .geojson")
     first = np.repeat(pieces.vertex_offsets[:-1], np.diff(pieces.triangle_offsets))
     triangles = pieces.triangles.astype(np.int64) + first[:, None]
     mesh = Mesh(

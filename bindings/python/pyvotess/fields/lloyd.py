@@ -10,7 +10,7 @@ import numpy as np
 from .._arguments import as_count, as_flag, as_number
 from .._call import Progress, showing
 from .._domain import Domain, as_domain, with_short_forms
-from .._input import as_array, as_points
+from .._input import as_array, as_density, as_points
 from ..fit import fit_volumes
 from ..pairs import edges_of
 from ..tessellator import Tessellator
@@ -21,10 +21,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .._domain import DomainKeywords
+    from .._types import BoolArray, Float64Array
     from ..tessellation import Tessellation
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
 
 # A seed nearer to a wall than this, in units of the box, moves to its centroid at most.
 _MARGIN = 1e-9
@@ -73,10 +71,13 @@ def _inside(t: Tessellation, places: Float64Array) -> BoolArray:
     return inside
 
 
-def _measure(t: Tessellation, places: Float64Array, density: Optional[Density]) -> Tuple[Float64Array, float]:
+def _measure(t: Tessellation, places: Float64Array, density: Any, threads: int) -> Tuple[Float64Array, float]:
     """Returns centroids relative to the seeds (N, 3) or (N, 2), NaN without one, and the energy."""
     if density is None:
         return t.centroids - places, uniform_energy(t, places)
+    if not callable(density):
+        masses = t.masses(density, threads)
+        return masses.centroids - places, masses.cost(places)
     return weighted_centroids(t, places, density)
 
 
@@ -91,7 +92,7 @@ def lloyd(
     domain: Optional[Domain] = None,
     *,
     steps: int = 100,
-    density: Optional[Density] = None,
+    density: Union[None, Density, npt.ArrayLike] = None,
     fixed: npt.ArrayLike = (),
     tolerance: float = 0.0,
     over_relaxation: float = 1.0,
@@ -105,8 +106,8 @@ def lloyd(
     """Moves each seed to the centroid of its cell, ``steps`` times, towards a centroidal Voronoi diagram.
 
     The energy is the sum over all cells of the integral of ``density(x) |x - p|^2``, where p is the seed. It decreases in
-    each step up to rounding (Lloyd 1982; Du, Faber, Gunzburger 1999). Without a density it has a closed form. With a
-    density, masses, centroids and energies are sums over the tetrahedra between the seed and the triangles of each face,
+    each step up to rounding (Lloyd 1982; Du, Faber, Gunzburger 1999). Without a density, and with one on a grid, it has a
+    closed form. With a function, masses, centroids and energies are sums over the tetrahedra between the seed and the triangles of each face,
     by the four-point rule of Hammer and Stroud (1956); in the plane over triangles, by their three-point rule. The rule is exact for polynomials of degree 2, so the centroids of
     a linear density are exact. Its points move with the cells, so the energy decreases up to the error of the rule.
 
@@ -116,19 +117,21 @@ def lloyd(
         the others stay until it moves away. A seed whose cell has no mass also stays.
     steps : maximum number of steps; 0 returns the energy of the given points.
     density : a function of (K, 3) points, in the plane (K, 2), inside the domain, up to rounding; in a mesh, inside its box. It returns (K,) finite numbers >= 0. It is
-        called with about twenty thousand points at a time, wrapped into a periodic domain. Default: 1 everywhere.
+        called with about twenty thousand points at a time, wrapped into a periodic domain. Or an array of the shape (nx, ny, nz),
+        in the plane (nx, ny): constant in the boxes of a grid over the domain, as for :func:`fit_volumes`; not in a mesh.
+        Default: 1 everywhere.
     domain : as for :func:`tessellate`, or its short forms. The default box and the hull, around the initial points, stay fixed. In a mesh the
         centroid is that of the cell's part inside. It may lie outside. Points outside that are kept move to the centroids of
-        their cells inside, or stay without one; not with a density, which is read between seeds and faces. Dropped ones stay.
+        their cells inside, or stay without one; not with a function, which is read between seeds and faces. Dropped ones stay.
     fixed : (N,) bool, or a list of indices: seeds that do not move. Default: none.
     tolerance : stop when no seed moved farther than this, in units of the mean spacing: the cube root of the volume for
         each seed, in the plane the square root of its area. 0 stops only when nothing moves.
     over_relaxation : factor of the move towards the centroid, above 0 and below 2, for which the energy decreases. 1.8
         needs about six steps instead of ten. A seed that would leave the domain moves to its centroid.
     volumes : (N,) target volumes of the cells, as for :func:`fit_volumes`. Each step then fits the weights of a power
-        diagram, from those of the step before. The cells have these volumes, and the energy is the transport cost.
-        Not with a density.
-    normalize : scale ``volumes`` to the volume of the domain.
+        diagram, from those of the step before. The cells have these volumes, and the energy is the transport cost. With a
+        density on a grid they are masses. Not with a function.
+    normalize : scale ``volumes`` to the volume of the domain, or to its mass.
     device, threads : as for :func:`tessellate`. Measures use double precision, which a named GPU must support.
     progress : as for :func:`tessellate`, as a fraction of all steps.
 
@@ -151,12 +154,16 @@ def lloyd(
     if not 0 < over_relaxation < 2:
         raise ValueError(f"over_relaxation is {over_relaxation}: it must be more than 0 and less than 2")
     if density is not None and not callable(density):
-        raise TypeError(f"density must be a function of points, not {type(density).__name__}")
-    if density is not None and volumes is not None:
-        raise ValueError("volumes are those of a uniform density: leave out density or volumes")
+        if not hasattr(density, "__len__") and not hasattr(density, "__dlpack__"):
+            raise TypeError(f"density must be a function of points or an array, not {type(density).__name__}")
+        density = as_density(density, array.shape[1])
+    if callable(density) and volumes is not None:
+        raise ValueError("volumes under a function are not supported: give the density as an array on a grid")
     where = as_domain(domain, keywords)
-    if density is not None and where.outside == "keep":
-        raise ValueError("the density is read between seeds and faces, which outside='keep' puts outside: leave one out")
+    if callable(density) and where.outside == "keep":
+        raise ValueError("the function is read between seeds and faces, which outside='keep' puts outside: leave one out")
+    if density is not None and not callable(density) and where.surface is not None:
+        raise ValueError("a density on a grid is not supported in a mesh: give a function, or a box and a density of 0 outside")
 
     want = _WANT if where.surface is not None else "faces," + _WANT
     weights: Optional[Float64Array] = None
@@ -169,14 +176,14 @@ def lloyd(
                 t = kept.tessellate(array, where, want=want, progress=part)
             else:
                 fit = fit_volumes(
-                    array, volumes, where, weights=weights, normalize=normalize, want=want, device=device, threads=threads,
-                    precision="double", progress=part,
+                    array, volumes, where, weights=weights, normalize=normalize, density=density, want=want, device=device,
+                    threads=threads, precision="double", progress=part,
                 )  # fmt: skip
                 t, weights = fit.tessellation, fit.weights
             if step == 0 and where.vectors is None:
                 where = where.replace(box=t.box.ravel(), walls=t.walls)
             places = t.wrapped_points
-            way, energy = _measure(t, places, density)
+            way, energy = _measure(t, places, density, threads)
             energies.append(energy)
             if step == steps or (moved and moved[-1] <= tolerance):
                 break

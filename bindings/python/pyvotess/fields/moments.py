@@ -14,12 +14,8 @@ from ..pairs import edges_of
 from .simplices import simplices
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .._types import BoolArray, Float64Array
     from ..tessellation import Tessellation
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
 
 #: A function of (K, 3) or (K, 2) points that returns (K,) finite numbers >= 0.
 Density = Callable[[Any], Any]
@@ -60,12 +56,12 @@ def uniform_energy(t: Tessellation, places: Float64Array, caller: str = "lloyd()
     return energy / (24 if t.planar else 120)
 
 
-def transport_cost(tessellation: Tessellation) -> float:
-    """Returns the cost of moving the uniform density of the domain to the seeds: the sum of the integrals of |x - p|^2.
+def transport_cost(tessellation: Tessellation, density: Optional[npt.ArrayLike] = None) -> float:
+    """Returns the cost of moving the density of the domain to the seeds: the sum of the integrals of ``density`` |x - p|^2.
 
     Each cell goes to its seed p. In a power diagram no other plan that gives each seed the volume of its cell costs less,
-    so after :func:`fit_volumes` this is the squared Wasserstein distance. It has a closed form. Needs "faces" in want, but
-    not in a mesh. After ``min_face`` or ``min_area`` it tessellates again: cells need their small faces too.
+    so after :func:`fit_volumes` this is the squared Wasserstein distance. It has a closed form. The density is 1, or that on
+    a grid, as for :meth:`Tessellation.masses`. Needs "faces" in want, but not in a mesh. After ``min_face`` or ``min_area`` it tessellates again: cells need their small faces too.
 
     >>> print(f"{vt.transport_cost(t):.4f}")
     0.0176
@@ -75,6 +71,8 @@ def transport_cost(tessellation: Tessellation) -> float:
     t = tessellation
     if not isinstance(t, Tessellation):
         raise TypeError(f"tessellation is {shown(t)}: give the result of tessellate()")
+    if density is not None:
+        return t.masses(density).cost(t.wrapped_points)
     if t.least_face > 0:
         mesh_of(t, "transport_cost()", planar=True)
         t = t._with_all_faces()

@@ -10,11 +10,8 @@ import numpy as np
 from .simplices import simplices
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from .._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
+    from .._types import Float64Array
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,8 @@ from ..export.geometry import mesh_of, triangles
 from ..pairs import edges_of
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from .._state import SeedCells
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
+    from .._types import BoolArray, Float64Array, Int64Array
 
 _FACES = 2048  # in a block, so that its arrays stay in the cache
 _TRIANGLES = 4 * _FACES  # in a block of pieces

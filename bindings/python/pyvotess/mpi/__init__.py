@@ -30,13 +30,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .._domain import DomainKeywords
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
-    Int8Array = npt.NDArray[np.int8]
-    UInt8Array = npt.NDArray[np.uint8]
-    UInt32Array = npt.NDArray[np.uint32]
+    from .._types import Float64Array, Int8Array, Int32Array, Int64Array, UInt8Array, UInt32Array
 
 __all__ = ["MpiCounts", "MpiTessellation", "tessellate"]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Tuple
 
 from .. import _library
-from .._c_api import Array, Options
+from .._c_api import Array, Options, declare
 
 if sys.platform == "darwin":
     _FILE_NAMES: Tuple[str, ...] = ("libvotess_mpi.dylib",)
@@ -59,43 +59,25 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
         library = ctypes.CDLL(name)
     except OSError as error:
         raise ImportError(f"{name} cannot be loaded: {error}") from error
-    library.votess_mpi_sizeof_comm.restype = c_size_t
+    declare(library, {"votess_mpi_sizeof_comm": (c_size_t, ())})
     if library.votess_mpi_sizeof_comm() != size_of_comm:
         raise ImportError(f"{name} was built with another MPI than mpi4py: build both with the same MPI")
     communicator = c_int if size_of_comm == ctypes.sizeof(c_int) else c_void_p
-    library.votess_mpi_tessellate.restype = c_int
-    library.votess_mpi_tessellate.argtypes = (
-        communicator,
-        c_void_p,
-        c_size_t,
-        c_void_p,
-        POINTER(Options),
-        c_int32,
-        POINTER(c_void_p),
-    )
-    library.votess_mpi_hull_new.restype = c_int
-    library.votess_mpi_hull_new.argtypes = (communicator, c_void_p, c_size_t, POINTER(Options), POINTER(c_void_p))
-    library.votess_mpi_free.restype, library.votess_mpi_free.argtypes = None, (c_void_p,)
-    library.votess_mpi_array.restype = c_int
-    library.votess_mpi_array.argtypes = (c_void_p, c_char_p, POINTER(Array))
-    library.votess_mpi_box.restype = c_int
-    library.votess_mpi_box.argtypes = (c_void_p, c_void_p, c_void_p)
-    library.votess_mpi_read_counts.restype = c_int
-    library.votess_mpi_read_counts.argtypes = (c_void_p, POINTER(Counts))
-    library.votess_mpi_verify.restype = c_int
-    library.votess_mpi_verify.argtypes = (
-        communicator,
-        c_void_p,
-        c_void_p,
-        c_size_t,
-        c_size_t,
-        c_uint64,
-        POINTER(c_int),
-        POINTER(c_uint32),
-        POINTER(c_size_t),
-        c_char_p,
-        c_size_t,
-    )
+    points = (c_void_p, c_size_t)
+    functions = {
+        "tessellate": (c_int, (communicator, *points, c_void_p, POINTER(Options), c_int32, POINTER(c_void_p))),
+        "hull_new": (c_int, (communicator, *points, POINTER(Options), POINTER(c_void_p))),
+        "free": (None, (c_void_p,)),
+        "array": (c_int, (c_void_p, c_char_p, POINTER(Array))),
+        "box": (c_int, (c_void_p, c_void_p, c_void_p)),
+        "read_counts": (c_int, (c_void_p, POINTER(Counts))),
+        "verify": (
+            c_int,
+            (communicator, c_void_p, *points, c_size_t, c_uint64, POINTER(c_int), POINTER(c_uint32), POINTER(c_size_t),
+             c_char_p, c_size_t),
+        ),  # fmt: skip
+    }
+    declare(library, {"votess_mpi_" + name: signature for name, signature in functions.items()})
     return library
 
 

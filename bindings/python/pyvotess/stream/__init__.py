@@ -19,7 +19,7 @@ from .._domain import Domain, as_domain, with_short_forms
 from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
 from .._state import ARRAYS, no_attribute
-from ..stats import Stats, VerifyReport, stats_of
+from ..stats import Stats, VerifyReport, read_report, stats_of
 from . import _stream_api as _stream
 
 if TYPE_CHECKING:
@@ -27,12 +27,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .._domain import DomainKeywords
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int8Array = npt.NDArray[np.int8]
-    UInt8Array = npt.NDArray[np.uint8]
-    UInt32Array = npt.NDArray[np.uint32]
+    from .._types import Float64Array, Int8Array, Int64Array, UInt8Array, UInt32Array
 
 __all__ = ["StreamResult", "StreamRows", "tessellate_stream"]
 
@@ -255,7 +250,5 @@ def tessellate_stream(
     del kept
     fields = {name: getattr(counts, name) for name in ("blocks", "largest_block", "asked_cells", "temporary_bytes")}
     if verify:
-        names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if counts.checks_skipped & bit)
-        failure = counts.failure.decode("utf-8", "replace")
-        fields["verified"] = VerifyReport(bool(counts.passed), failure, names, counts.sampled)
+        fields["verified"] = read_report(counts.passed, counts.checks_skipped, counts.sampled, counts.failure)
     return StreamResult(source.box if given.vectors is None else None, stats_of(c_stats), **fields)

@@ -106,5 +106,4 @@ class Counts(ctypes.Structure):
 
 
 tessellate = lib.votess_tessellate_stream
-tessellate.restype = c_int
-tessellate.argtypes = (POINTER(Stream), POINTER(Options), POINTER(Counts), POINTER(Stats))
+tessellate.restype, tessellate.argtypes = c_int, (POINTER(Stream), POINTER(Options), POINTER(Counts), POINTER(Stats))

@@ -148,7 +148,7 @@ class Steps(unittest.TestCase):
             r = vt.lloyd(points, steps=2, box=UNIT_BOX, outside=outside, volumes=np.ones(SEEDS), normalize=True)
             kept = inside if outside == "drop" else np.ones(SEEDS, bool)
             np.testing.assert_allclose(r.tessellation.volumes[kept], 1 / kept.sum(), rtol=1e-8)
-        with self.assertRaisesRegex(ValueError, "the density is read between seeds and faces"):
+        with self.assertRaisesRegex(ValueError, "the function is read between seeds and faces"):
             vt.lloyd(points, steps=1, density=lambda x: x[:, 0], box=UNIT_BOX, outside="keep")
 
     def test_fixed(self):
@@ -307,8 +307,8 @@ class Densities(unittest.TestCase):
         ):
             with self.assertRaisesRegex(ValueError, says):
                 vt.lloyd(uniform(5), steps=1, density=density, box=UNIT_BOX)
-        with self.assertRaisesRegex(TypeError, "function of points, not list"):
-            vt.lloyd(uniform(5), steps=1, density=[1, 2], box=UNIT_BOX)
+        with self.assertRaisesRegex(TypeError, "function of points or an array, not int"):
+            vt.lloyd(uniform(5), steps=1, density=1, box=UNIT_BOX)
         with self.assertRaisesRegex(ZeroDivisionError, "mine"):
             vt.lloyd(uniform(5), steps=1, density=mock.Mock(side_effect=ZeroDivisionError("mine")), box=UNIT_BOX)
 

@@ -1,0 +1,58 @@
+"""Masses of cells under a density on a grid, see :meth:`pyvotess.Tessellation.masses`."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._arguments import as_count
+from ._call import Handle, raise_on_failure, watched
+from ._input import as_density
+from ._library import lib
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Masses:
+    """A density integrated over the cells and their faces."""
+
+    masses: Float64Array  #: (N,) 0 without a cell
+    centroids: Float64Array  #: (N, 3), in the plane (N, 2): centers of mass; NaN without mass
+    #: (N,) the density times the squared distance from the center of mass, integrated over each cell
+    second_moments: Float64Array
+    #: (E,) the density integrated over the face of each entry of ``neighbors``. Between boxes of the grid the density is the
+    #: mean of both sides
+    face_masses: Float64Array
+
+    def __len__(self) -> int:
+        """N, the number of cells."""
+        return len(self.masses)
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Masses of {len(self)} cells: {self.masses.sum():.6g}>"
+
+    def cost(self, places: Float64Array) -> float:
+        """Returns the density times the squared distance from places, one for each cell, integrated over the cells."""
+        ways = np.nan_to_num(self.centroids - places)
+        return float(self.second_moments.sum() + self.masses @ (ways**2).sum(axis=1))
+
+
+def masses_of(t: Tessellation, density: Any, threads: int = 0) -> Masses:
+    """Returns the masses of cells with faces."""
+    grid = as_density(density, 2 if t.planar else 3)
+    shape = (ctypes.c_size_t * 3)(*(*grid.shape, 1)[:3])
+    whole = t if t.least_face == 0 else t._with_all_faces()
+    handle = Handle("masses")
+    arguments = (grid.ctypes.data, shape, as_count(threads, "threads", 32), ctypes.byref(handle.pointer))
+    raise_on_failure(watched(lib.votess_masses_new, whole._handle().pointer, *arguments))
+    names = ("masses", "centroids", "second_moments", "face_masses")
+    return Masses(*(handle.array(name) for name in names))

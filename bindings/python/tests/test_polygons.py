@@ -1,0 +1,275 @@
+"""Polygons as the domain in the plane, against clipping in rational arithmetic."""
+
+import itertools
+import json
+import math
+import pickle
+import tempfile
+import unittest
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+import pyvotess as vt
+
+CITY = {
+    "type": "Polygon",
+    "coordinates": [[(0, 0), (4, 0), (4, 3), (2, 1), (0, 3), (0, 0)], [(1, 0.5), (1.5, 1), (2, 0.5)]],
+}
+
+
+def half_planes(points, weights, i, shift, period):
+    """Yields n, d of n.x <= d, of the cell of seed i moved by a shift."""
+
+    def place(j, s):
+        return tuple(points[j][k] + s[k] * period[k] for k in range(2))
+
+    x, y = place(i, shift)
+    reach = [range(-2, 3) if p else (0,) for p in period]
+    for j, s in itertools.product(range(len(points)), itertools.product(*reach)):
+        if (j, s) == (i, shift):
+            continue
+        u, v = place(j, s)
+        yield (2 * (u - x), 2 * (v - y)), u * u + v * v - x * x - y * y - weights[j] + weights[i]
+
+
+def clip(polygon, planes):
+    for (a, b), d in planes:
+        sides = [d - a * x - b * y for x, y in polygon]
+        kept = []
+        for k, (p, s) in enumerate(zip(polygon, sides)):
+            q, t = polygon[(k + 1) % len(polygon)], sides[(k + 1) % len(polygon)]
+            if s >= 0:
+                kept.append(p)
+            if (s > 0 and t < 0) or (s < 0 and t > 0):
+                kept.append(tuple(p[m] + (q[m] - p[m]) * s / (s - t) for m in range(2)))
+        polygon = kept
+        if not polygon:
+            break
+    return polygon
+
+
+def signed_area(polygon):
+    return sum((a * d - b * c for (a, b), (c, d) in zip(polygon, polygon[1:] + polygon[:1])), Fraction(0)) / 2
+
+
+def signed_moment(polygon):
+    sums = [Fraction(0), Fraction(0)]
+    for (a, b), (c, d) in zip(polygon, polygon[1:] + polygon[:1]):
+        cross = a * d - b * c
+        sums[0] += (a + c) * cross / 6
+        sums[1] += (b + d) * cross / 6
+    return sums
+
+
+def signed_energy(polygon, seed):
+    """Returns the integral of |x - seed|^2."""
+    total = Fraction(0)
+    moved = [(x - seed[0], y - seed[1]) for x, y in polygon]
+    for (a, b), (c, d) in zip(moved, moved[1:] + moved[:1]):
+        total += (a * d - b * c) * (a * a + a * c + c * c + b * b + b * d + d * d) / 12
+    return total
+
+
+def part_of_segment(p, q, planes):
+    """Returns the length of a segment inside, without what lies on a plane."""
+    begin, end = Fraction(0), Fraction(1)
+    for (a, b), d in planes:
+        s, t = d - a * p[0] - b * p[1], d - a * q[0] - b * q[1]
+        if s == t:
+            if s < 0:
+                return 0.0
+        elif s < t:
+            begin = max(begin, s / (s - t))
+        else:
+            end = min(end, s / (s - t))
+    return float(max(end - begin, 0)) * math.hypot(float(q[0] - p[0]), float(q[1] - p[1]))
+
+
+def random_sets(count, first=0):
+    """Yields points, keyword arguments, and the rings of a polygon: lattices, decimals and any; holes, islands, periods."""
+    for number in range(first, first + count):
+        random = np.random.default_rng(number)
+        side = random.choice([4, 8, 10, 100, 2**40])
+        points = random.integers(0, side + 1, (int(random.integers(1, 9)), 2)) / side
+        points = np.unique(points, axis=0)
+
+        def star(center, inner, outer, corners):
+            angles = np.sort(random.random(corners)) * 2 * np.pi
+            radii = random.uniform(inner, outer, corners)
+            ring = center + radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+            return np.round(ring * side) / side
+
+        rings = [star(0.5, 0.3, 0.5, int(random.integers(3, 9)))]
+        if number % 3 == 1:
+            rings.append(star(0.5, 0.05, 0.2, int(random.integers(3, 6)))[::-1])
+        if number % 5 == 2:
+            rings.append(star(np.array([1.5, 0.25]), 0.2, 0.4, 5))
+        keywords, period = {}, (0, 0)
+        if number % 4 == 3:
+            rings = rings[:1]
+            keywords = {"box": (0, 0, 1, 1), "periodic": random.choice(["x", "y", "xy"])}
+            rings[0] = np.clip(rings[0], 0.125, 0.875)
+            period = tuple(int(axis in keywords["periodic"]) for axis in "xy")
+            points = points[(points < 1).all(axis=1) & (points > 0).all(axis=1)]
+            if not len(points):
+                continue
+        if number % 6 == 5:
+            keywords["weights"] = random.integers(0, 8, len(points)) / 64
+        yield number, points, rings, keywords, period
+
+
+def mesh_of(rings):
+    vertices = np.concatenate(rings)
+    edges, first = [], 0
+    for ring in rings:
+        own = np.arange(len(ring))
+        edges.append(first + np.stack([own, np.roll(own, -1)], axis=1))
+        first += len(ring)
+    return vertices, np.concatenate(edges)
+
+
+def exact(rows):
+    return [tuple(map(Fraction, row)) for row in np.asarray(rows).tolist()]
+
+
+class Polygons(unittest.TestCase):
+    def check(self, number, points, rings, keywords, period):
+        loops = [exact(ring) for ring in rings]
+        area = sum(signed_area(loop) for loop in loops)
+        if area <= 0:
+            with self.assertRaisesRegex(ValueError, "mesh: it"):
+                vt.tessellate(points, mesh=mesh_of(rings), **keywords)
+            return False
+        t = vt.tessellate(points, mesh=mesh_of(rings), want="neighbors,volumes,centroids,areas,surfaces", **keywords)
+        places, weights = exact(points), keywords.get("weights", np.zeros(len(points)))
+        weights = list(map(Fraction, weights.tolist()))
+        size = float(area)
+        origin = loops[0][0]
+        shifts = list(itertools.product(*[range(-1, 2) if p else (0,) for p in period]))
+        perimeter = sum(math.dist(p, q) for loop in rings for p, q in zip(loop, np.roll(loop, -1, axis=0)))
+        self.assertAlmostEqual(t.mesh_areas.sum(), perimeter, delta=1e-12 * max(perimeter, 1))
+        energy = Fraction(0)
+        for i in range(len(points)):
+            inside, moment = Fraction(0), [Fraction(0), Fraction(0)]
+            lengths = 0.0
+            for shift in shifts:
+                planes = list(half_planes(places, weights, i, shift, period))
+                for loop in loops:
+                    for p, q in zip(loop, loop[1:] + loop[:1]):
+                        part = clip([origin, p, q], planes)
+                        if len(part) > 2:
+                            piece = signed_area(part)
+                            inside += piece
+                            energy += signed_energy(part, [x + s * p for x, s, p in zip(places[i], shift, period)])
+                            for k, m in enumerate(signed_moment(part)):
+                                moment[k] += m - shift[k] * period[k] * piece
+                        lengths += part_of_segment(p, q, planes)
+            self.assertAlmostEqual(t.volumes[i], float(inside), delta=1e-12 * size)
+            self.assertEqual(t.status[i] == 0, inside != 0 or t.status[i] == 0)
+            if abs(inside) > 1e-3 * size:
+                np.testing.assert_allclose(t.centroids[i], [float(m / inside) for m in moment], atol=1e-10)
+            self.assertLessEqual(t.mesh_areas[i], lengths + 1e-10)  # ties are of one cell
+        self.assertAlmostEqual(vt.transport_cost(t), float(energy), delta=1e-11)
+        pieces = t.pieces()
+        sums = np.bincount(pieces.cells, pieces.volumes, minlength=len(points))
+        np.testing.assert_allclose(sums, t.volumes, atol=1e-12 * size)
+        for k in range(len(pieces)):
+            of_rings = sum(float(signed_area(exact(ring))) for ring in pieces.rings(k))
+            self.assertAlmostEqual(of_rings, pieces.volumes[k], delta=1e-11 * size)
+        return True
+
+    def test_random_polygons_are_those_of_rational_arithmetic(self):
+        checked = 0
+        for case in random_sets(14):
+            with self.subTest(case[0]):
+                checked += self.check(*case)
+        self.assertGreater(checked, 9)
+
+    def test_a_city(self):
+        random = np.random.default_rng(3)
+        points = random.uniform(0, 4, (300, 2))
+        t = vt.tessellate(points, mesh=CITY, want="neighbors,volumes,centroids,areas,surfaces")
+        self.assertAlmostEqual(t.volumes.sum(), 7.75, delta=1e-12)
+        self.assertEqual(t.stats.box_volume, 7.75)
+        self.assertAlmostEqual(t.mesh_areas.sum(), 10 + 4 * math.sqrt(2) + 1 + math.sqrt(2), delta=1e-12)
+        np.testing.assert_allclose(t.surface_areas, t.mesh_areas + [t.face_areas[a:b].sum() for a, b in zip(t.indptr, t.indptr[1:])], atol=1e-12)
+        self.assertTrue(t.verify())
+        # Probes are the cells that queries would have; rays have their parts inside.
+        d = vt.Diagram(points, mesh=CITY)
+        self.assertTrue((d.locate([(2, 2), (1.5, 0.75), (5, 5)]) == -1).all())
+        self.assertEqual(d.locate([points[7]])[0] >= 0, t.status[7] == 0 and d.locate([points[7]])[0] == 7)
+        rays = d.trace([(-1, 0.25)], [(1, 0)], 10.0)
+        self.assertAlmostEqual(rays.lengths.sum(), 4, delta=1e-12)
+        grid, box = d.to_grid(np.ones(300), shape=(40, 30), method="mean"), d.domain.limits
+        if box is not None:
+            self.assertAlmostEqual(grid.sum() * np.prod(box[1] - box[0]) / grid.size, 7.75, delta=1e-9)
+        probes = d.probe(points[:9])
+        np.testing.assert_array_equal(probes.volumes, t.volumes[:9])
+        empty = vt.tessellate(np.empty((0, 2)), mesh=CITY)
+        self.assertEqual((len(empty), empty.stats.box_volume), (0, 7.75))
+        whole = vt.tessellate(points, box=(-1, -1, 5, 5))
+        inside = t.status == 0
+        self.assertTrue((t.volumes[inside] <= whole.volumes[inside] + 1e-12).all())
+
+    def test_pieces_are_polygons(self):
+        points = np.array([(1, 0.25), (3.5, 0.25), (2, 10)])
+        t = vt.tessellate(points, mesh=CITY)
+        pieces = t.pieces()
+        self.assertTrue(pieces.planar)
+        self.assertEqual(pieces.counts.tolist(), [1, 1, 0])
+        outline, hole = pieces.rings(0)
+        self.assertGreater(signed_area(exact(outline)), 0)
+        self.assertLess(signed_area(exact(hole)), 0)
+        self.assertEqual({tuple(row) for row in hole.tolist()}, {(1, 0.5), (1.5, 1), (2, 0.5)})
+        features = pieces.__geo_interface__["features"]
+        self.assertEqual([feature["id"] for feature in features], [0, 1])
+        again = vt.tessellate(points, mesh=pieces.__geo_interface__)
+        np.testing.assert_allclose(again.volumes, t.volumes, atol=1e-13)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "cells.geojson")
+            pieces.save(file)
+            self.assertEqual(json.loads(file.read_text()), json.loads(json.dumps(pieces.__geo_interface__)))
+            with self.assertRaisesRegex(ValueError, "known for pieces of the plane are .geojson"):
+                pieces.save(Path(folder, "cells.obj"))
+        self.assertEqual(pickle.loads(pickle.dumps(vt.Domain.mesh(CITY))), vt.Domain.mesh(CITY))
+
+    def test_fits_and_lloyd(self):
+        random = np.random.default_rng(4)
+        points = random.uniform((0, 0), (4, 0.5), (30, 2))
+        fit = vt.fit_volumes(points, np.full(30, 7.75 / 30), mesh=CITY)
+        np.testing.assert_allclose(fit.tessellation.volumes, 7.75 / 30, rtol=1e-8)
+        relaxed = vt.lloyd(points, mesh=CITY, steps=3)
+        self.assertEqual(relaxed.points.shape, (30, 2))
+
+    def test_refusals(self):
+        square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+        points = [(0.5, 0.5)]
+        for mesh, message in (
+            ((square, [(0, 1), (1, 2), (2, 3)]), "vertex 0 .* begins 1 edge more than it ends: give closed rings"),
+            ((square, [(1, 0), (2, 1), (3, 2), (0, 3)]), "rings run clockwise.*reverse them"),
+            ((square, [(0, 1), (1, 0)]), "encloses no volume"),
+            ((square, np.empty((0, 2), int)), "no edges: give closed rings"),
+            (([(0, 0), (1, 0), (1, np.nan)], [(0, 1), (1, 2), (2, 0)]), "vertex 2: y = nan is not finite"),
+        ):
+            with self.subTest(message), self.assertRaisesRegex(ValueError, message):
+                vt.tessellate(points, mesh=mesh)
+        for mesh, message in (
+            ({"type": "Point", "coordinates": (0, 0)}, "the type 'Point': give polygons"),
+            ({"type": "Polygon"}, "not GeoJSON of polygons"),
+            ({"type": "Polygon", "coordinates": [[(0, 0), (1, 1)]]}, "ring 0 of mesh has 2 places"),
+            ({"type": "FeatureCollection", "features": []}, "no polygon"),
+            ((square, [(0, 1, 2)]), r"edges of mesh have shape \(1, 3\)"),
+            ((square, [(0, 1), (1, 4), (4, 0)]), "edge 1 names vertex 4"),
+        ):
+            with self.subTest(message), self.assertRaisesRegex(ValueError, message):
+                vt.tessellate(points, mesh=mesh)
+        with self.assertRaisesRegex(ValueError, "mesh has 2 dimensions, but points have 3"):
+            vt.tessellate([(0, 0, 0)], mesh=CITY)
+        with self.assertRaisesRegex(vt.VotessError, "a triclinic box needs three dimensions"):
+            vt.tessellate(points, mesh=CITY, cell=((9, 0), (1, 9)))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,211 @@
+"""surface(), lloyd_on_surface() and remesh(): fractions, the plane, hulls of spheres, sharp edges, bad input."""
+
+import unittest
+
+import numpy as np
+from surface_oracle import Oracle
+
+import pyvotess as vt
+
+SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
+
+
+def cube():
+    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    squares = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, [t for a, b, c, d in squares for t in ((a, b, c), (a, c, d))]
+
+
+def sphere(n):
+    """Returns points of a sphere, by a spiral, and the triangles between the rings of another."""
+    z, turn = 1 - (2 * np.arange(n) + 1) / n, 2.399963229728653 * np.arange(n)
+    r = np.sqrt(1 - z * z)
+    return np.stack((r * np.cos(turn), r * np.sin(turn), z), axis=1)
+
+
+def globe(rings, sides):
+    """Returns a sphere of triangles."""
+    a = np.pi * np.arange(1, rings) / rings
+    b = 2 * np.pi * np.arange(sides) / sides
+    inner = np.stack([np.outer(np.sin(a), np.cos(b)), np.outer(np.sin(a), np.sin(b)), np.outer(np.cos(a), np.ones(sides))], -1)
+    vertices = np.concatenate(([(0, 0, 1)], inner.reshape(-1, 3), [(0, 0, -1)]))
+    at = 1 + np.arange((rings - 1) * sides).reshape(rings - 1, sides)
+    right, last = np.roll(at, -1, axis=1), len(vertices) - 1
+    triangles = [(0, at[0, j], right[0, j]) for j in range(sides)] + [(last, right[-1, j], at[-1, j]) for j in range(sides)]
+    for i in range(rings - 2):
+        for j in range(sides):
+            triangles += [(at[i, j], at[i + 1, j], right[i + 1, j]), (at[i, j], right[i + 1, j], right[i, j])]
+    return vertices, np.array(triangles)
+
+
+def directed_edges(triangles):
+    return [(int(a), int(b)) for t in triangles for a, b in zip(t, np.roll(t, -1))]
+
+
+def random_case(seed):
+    """Returns points, vertices, triangles and weights: lattices, decimals, mirrors, surfaces that are not manifold."""
+    rng = np.random.default_rng(seed)
+    kind = seed % 4
+    draw = [
+        lambda m: rng.integers(0, 3, (m, 3)) / 2,
+        lambda m: np.round(rng.random((m, 3)), 1),
+        lambda m: rng.random((m, 3)),
+        lambda m: rng.integers(0, 3, (m, 3)) * [1.0, 1.0, 0.0],
+    ][kind]
+    vertices, points = draw(int(rng.integers(4, 7))), draw(int(rng.integers(2, 6)))
+    triangles = rng.integers(0, len(vertices), (int(rng.integers(2, 6)), 3))
+    weights = rng.integers(0, 3, len(points)) / 4 if seed % 3 == 0 else None
+    return points, vertices, triangles, weights
+
+
+class Surface(unittest.TestCase):
+    def check_against_fractions(self, points, vertices, triangles, weights):
+        o = Oracle(points, vertices, [tuple(map(int, t)) for t in triangles], weights)
+        if not o.parts:
+            with self.assertRaisesRegex(ValueError, "surface: its triangles have no area"):
+                vt.surface(points, vertices, triangles, weights=weights)
+            return
+        c = vt.surface(points, vertices, triangles, weights=weights)
+        total = sum(o.area_of.values())
+        self.assertAlmostEqual(c.areas.sum() / total, 1, delta=1e-13)
+        np.testing.assert_allclose(c.areas, o.areas, rtol=0, atol=1e-13 * total)
+        np.testing.assert_allclose(c.borders, o.borders, rtol=0, atol=1e-12)
+        self.assertEqual((c.pieces.tolist(), c.euler.tolist()), (o.pieces, o.euler))
+        keys = list(zip(c.polygon_triangles.tolist(), c.polygon_seeds.tolist()))
+        self.assertEqual(keys, sorted(o.polygons))
+        np.testing.assert_allclose(c.polygon_areas, [o.polygons[key] for key in keys], rtol=0, atol=1e-13 * total)
+        rows = {}
+        for i in range(len(c)):
+            for k in range(c.indptr[i], c.indptr[i + 1]):
+                rows[i, int(c.indices[k])] = (c.lengths[k], c.curves[k], c.loops[k])
+            if o.areas[i] > 1e-3 * total:
+                np.testing.assert_allclose(c.centroids[i], o.centroids[i], rtol=0, atol=1e-11)
+        self.assertEqual(rows.keys(), o.rows.keys())
+        for key, (length, curves, loops) in rows.items():
+            self.assertAlmostEqual(length, o.rows[key][0], delta=1e-12)
+            self.assertEqual((curves, loops), o.rows[key][1:])
+            self.assertEqual(length, rows[key[::-1]][0])
+        self.assertEqual({tuple(sorted(t)): n for t, n in zip(c.dual.tolist(), c.dual_counts)}, {t: len(m) for t, m in o.dual.items()})
+        for t in c.dual.tolist():
+            self.assertEqual(tuple(t), o.dual[tuple(sorted(t))][0])
+
+    def test_fractions(self):
+        for seed in range(24):
+            with self.subTest(seed=seed):
+                self.check_against_fractions(*random_case(seed))
+
+    def test_plane(self):
+        points = np.random.default_rng(1).random((400, 2))
+        t = vt.tessellate(points, box=(0, 0, 1, 1), want="volumes,areas,centroids")
+        c = vt.surface(np.c_[points, np.zeros(400)], *SQUARE)
+        np.testing.assert_array_equal(c.indices, t.indices)
+        np.testing.assert_allclose(c.areas, t.volumes, rtol=1e-11)
+        np.testing.assert_allclose(c.lengths, t.face_areas, rtol=0, atol=1e-13)
+        np.testing.assert_allclose(c.centroids[:, :2], t.centroids, rtol=0, atol=1e-13)
+        np.testing.assert_array_equal(c.nearest[:, 2], 0)
+        np.testing.assert_allclose(c.borders.sum(), 4, rtol=1e-13)
+        self.assertEqual(len(c.faults), 0)
+        # Polygons are counterclockwise, and share their corners.
+        for p in range(len(c.polygon_seeds)):
+            x, y, _ = c.vertices[c.corners[c.polygon_offsets[p] : c.polygon_offsets[p + 1]]].T
+            self.assertAlmostEqual((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2, c.polygon_areas[p], delta=1e-15)
+        self.assertEqual(len(np.unique(c.vertices, axis=0)), len(c.vertices))
+
+    def test_weights_are_those_of_tessellate(self):
+        rng = np.random.default_rng(2)
+        points, weights = rng.random((100, 2)), rng.random(100) * 0.02
+        t = vt.tessellate(points, box=(0, 0, 1, 1), weights=weights, want="volumes")
+        c = vt.surface(np.c_[points, np.zeros(100)], *SQUARE, weights=weights)
+        np.testing.assert_allclose(c.areas, t.volumes, rtol=0, atol=1e-13)
+        np.testing.assert_array_equal(c.areas, vt.surface(np.c_[points, np.zeros(100)], *SQUARE, weights=weights, threads=1).areas)
+
+    def test_dual_of_a_sphere_is_the_hull(self):
+        seeds = sphere(80)
+        c = vt.surface(seeds, *globe(40, 60))
+        self.assertEqual((len(c.dual), len(c.faults)), (2 * 80 - 4, 0))
+        x = seeds[c.dual]
+        normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+        heights = ((seeds[None] - x[:, :1]) * normals[:, None]).sum(axis=2)
+        np.put_along_axis(heights, c.dual, 0, axis=1)
+        self.assertLessEqual(heights.max(), 0)  # all seeds lie behind each triangle, so it turns outward too
+        edges = directed_edges(c.dual)
+        self.assertEqual(set(edges), {(b, a) for a, b in edges})
+
+    def test_faults(self):
+        # Two seeds on a tube share two curves, one far above a plate none, and the cap of a globe is bounded by a loop.
+        a = 2 * np.pi * np.arange(12) / 12
+        ring = np.stack((np.cos(a), np.sin(a), 0 * a), axis=1)
+        tube = np.concatenate((ring, ring + [0, 0, 1]))
+        i, j = np.arange(12), np.roll(np.arange(12), -1)
+        triangles = np.concatenate((np.stack((i, j, j + 12), 1), np.stack((i, j + 12, i + 12), 1)))
+        c = vt.surface([(1, 0.1, 0.5), (-1, 0.1, 0.5), (0, 0, 9)], tube, triangles)
+        self.assertEqual((c.curves.tolist(), c.loops.tolist(), c.faults.tolist()), ([2, 2], [0, 0], [0, 1]))
+        self.assertEqual((c.pieces.tolist(), c.euler.tolist()), ([1, 1, 0], [1, 1, 0]))
+        c = vt.surface([(0, 0, 0.5), (0, 0, 1)], *globe(6, 8))
+        self.assertEqual((c.curves.tolist(), c.loops.tolist(), c.euler.tolist()), ([1, 1], [1, 1], [1, 1]))
+        # One seed in the middle of a tube has its whole waist: a ring.
+        c = vt.surface([(0, 0, 0.5)], tube, triangles)
+        self.assertEqual((c.pieces.tolist(), c.euler.tolist(), c.faults.tolist()), ([1], [0], [0]))
+        np.testing.assert_allclose(c.perimeters, 2 * 24 * np.sin(np.pi / 12), rtol=1e-13)
+
+    def test_merge(self):
+        vertices, triangles = cube()
+        soup = np.asarray(vertices)[triangles].reshape(-1, 3)
+        rows = np.arange(len(soup)).reshape(-1, 3)
+        whole, merged = vt.surface(vertices[:2] * 0.9, vertices, triangles), vt.surface(vertices[:2] * 0.9, soup, rows, merge=True)
+        np.testing.assert_array_equal(whole.areas, merged.areas)
+        np.testing.assert_array_equal(merged.borders, 0)
+        self.assertGreater(vt.surface(vertices[:2] * 0.9, soup, rows).borders.min(), 0)
+
+    def test_lloyd(self):
+        relaxed = vt.lloyd_on_surface(sphere(40) * 1.5 + 0.2, *globe(20, 30), steps=20, fixed=[0])
+        self.assertTrue((np.diff(relaxed.energies) <= 1e-12).all())
+        np.testing.assert_array_equal(relaxed.points[0], sphere(40)[0] * 1.5 + 0.2)
+        np.testing.assert_allclose(np.linalg.norm(relaxed.points[1:], axis=1), 1, atol=0.03)
+        self.assertLess(relaxed.cells.areas[1:].std(), 0.35 * relaxed.cells.areas[1:].mean())
+        early = vt.lloyd_on_surface(sphere(40), *globe(20, 30), steps=50, tolerance=0.05)
+        self.assertLess(len(early.moved), 50)
+
+    def test_remesh(self):
+        vertices, triangles = cube()
+        mesh = vt.remesh(vertices, triangles, 300)
+        edges = directed_edges(mesh.triangles)
+        self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
+        self.assertEqual(len(mesh.cells.faults), 0)
+        for corner in vertices:
+            self.assertTrue((mesh.vertices == corner).all(axis=1).any())
+        x = mesh.vertices[mesh.triangles]
+        volume = (x[:, 0] * np.cross(x[:, 1], x[:, 2])).sum() / 6
+        self.assertAlmostEqual(volume, 1, delta=1e-3)
+        self.assertGreater(mesh.angles.min(), 15)
+        # An open square: its border is kept.
+        flat = vt.remesh(*SQUARE, 60)
+        x = flat.vertices[flat.triangles]
+        np.testing.assert_allclose(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2].sum() / 2, 1, rtol=1e-12)
+        np.testing.assert_array_equal(flat.vertices, vt.remesh(*SQUARE, 60, threads=1).vertices)
+
+    def test_bad_input(self):
+        points, (vertices, triangles) = np.zeros((1, 3)), SQUARE
+        for message, call in (
+            ("points has shape", lambda: vt.surface(np.zeros((1, 2)), vertices, triangles)),
+            ("there are no points", lambda: vt.surface(np.zeros((0, 3)), vertices, triangles)),
+            ("triangles has shape", lambda: vt.surface(points, vertices, [0, 1, 2])),
+            ("triangles has dtype float64: give whole numbers", lambda: vt.surface(points, vertices, np.zeros((1, 3)))),
+            ("surface: triangle 0 names vertex 4", lambda: vt.surface(points, vertices, [(0, 1, 4)])),
+            ("surface: vertex 3: y = nan is not finite", lambda: vt.surface(points, [*vertices[:3], (0, np.nan, 0)], triangles)),
+            ("weights: weight 0 = inf is not finite", lambda: vt.surface(points, vertices, triangles, weights=[np.inf])),
+            ("weights has shape", lambda: vt.surface(points, vertices, triangles, weights=[1, 2])),
+            ("n is 0", lambda: vt.remesh(vertices, triangles, 0)),
+            ("sharp is nan", lambda: vt.remesh(vertices, triangles, 5, sharp=np.nan)),
+            ("but there are 4 vertices", lambda: vt.remesh(vertices, [(0, 1, 4)], 5)),
+            ("the triangles have no area", lambda: vt.remesh(vertices, [(0, 1, 1)], 5)),
+            ("tolerance is -1", lambda: vt.lloyd_on_surface(points, vertices, triangles, tolerance=-1)),
+        ):
+            with self.assertRaisesRegex(ValueError, message):
+                call()
+        with self.assertRaises(vt.VotessError):
+            vt.surface(np.random.default_rng(0).random((3000, 3)), *globe(60, 60), progress=lambda fraction: False)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,109 @@
+// GeoJSON (RFC 7946): the polygons of its geometries. Other geometries are refused.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "failure.hpp"
+#include "files/json.hpp"
+#include "read/surface.hpp"
+
+namespace clvotess {
+namespace {
+
+constexpr int max_depth = 32;  // of collections
+
+class GeojsonReader {
+public:
+    explicit GeojsonReader(const std::string& name) : name_(name) { surface_.planar = true; }
+
+    void add(const Json& value, int depth = 0) {
+        if (depth > max_depth) throw error("collections lie in each other, more than " + std::to_string(max_depth));
+        const std::optional<Json> type = value.find("type");
+        const std::string_view kind = type ? type->text() : "";
+        if (kind == "\"Feature\"") {
+            const std::optional<Json> geometry = value.find("geometry");
+            if (geometry && geometry->text() != "null") add(*geometry, depth + 1);
+        } else if (kind == "\"FeatureCollection\"") {
+            add_all(value, "features", depth);
+        } else if (kind == "\"GeometryCollection\"") {
+            add_all(value, "geometries", depth);
+        } else if (kind == "\"Polygon\"") {
+            add_polygon(coordinates_of(value));
+        } else if (kind == "\"MultiPolygon\"") {
+            for (const Json& polygon : coordinates_of(value).items()) add_polygon(polygon);
+        } else {
+            throw error("a geometry has the type " + (kind.empty() ? std::string("none") : std::string(kind)) +
+                        ": give polygons, or keep these alone");
+        }
+    }
+
+    [[nodiscard]] Surface finish() {
+        if (surface_.triangles.empty()) throw error("no polygon found");
+        return std::move(surface_);
+    }
+
+private:
+    [[nodiscard]] Failure error(const std::string& message) const { return bad_input(name_ + ": " + message); }
+
+    void add_all(const Json& value, const char* member, int depth) {
+        const std::optional<Json> parts = value.find(member);
+        if (!parts) throw error(std::string("a collection has no \"") + member + "\"");
+        for (const Json& part : parts->items()) add(part, depth + 1);
+    }
+    [[nodiscard]] Json coordinates_of(const Json& geometry) const {
+        const std::optional<Json> coordinates = geometry.find("coordinates");
+        if (!coordinates) throw error("a polygon has no \"coordinates\"");
+        return *coordinates;
+    }
+    void add_polygon(const Json& polygon) {
+        bool is_hole = false;
+        for (const Json& ring : polygon.items()) {
+            add_ring(ring, is_hole);
+            is_hole = true;
+        }
+    }
+
+    void add_ring(const Json& ring, bool is_hole) {
+        const std::string where = "ring " + std::to_string(rings_++);
+        std::vector<std::array<double, 2>> places;
+        for (const Json& place : ring.items()) {
+            const std::vector<Json> numbers = place.items();
+            const auto x = numbers.size() < 2 ? std::nullopt : numbers[0].number();
+            const auto y = numbers.size() < 2 ? std::nullopt : numbers[1].number();
+            if (!x || !y)
+                throw error(where + ": place " + std::to_string(places.size()) + " is " + std::string(place.text()) +
+                            ", not two numbers");
+            places.push_back({*x, *y});
+        }
+        if (places.size() > 1 && places.front() == places.back()) places.pop_back();
+        if (places.size() < 3)
+            throw error(where + " has " + std::to_string(places.size()) + " places: give at least 3");
+        double area = 0;
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const auto &a = places[i], &b = places[(i + 1) % places.size()], &o = places[0];
+            area += (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+        }
+        if ((area > 0) == is_hole) std::ranges::reverse(places);
+        const auto first = static_cast<std::int32_t>(surface_.vertices.size() / 2);
+        const auto count = static_cast<std::int32_t>(places.size());
+        for (std::int32_t i = 0; i < count; ++i) {
+            const auto& place = places[static_cast<std::size_t>(i)];
+            surface_.vertices.insert(surface_.vertices.end(), place.begin(), place.end());
+            surface_.triangles.insert(surface_.triangles.end(), {first + i, first + (i + 1) % count});
+        }
+    }
+
+    const std::string& name_;
+    Surface surface_;
+    std::size_t rings_ = 0;
+};
+
+}  // namespace
+
+Surface parse_geojson(std::string_view text, const std::string& name) {
+    GeojsonReader reader(name);
+    reader.add(Json::read(text, name));
+    return reader.finish();
+}
+
+}  // namespace clvotess

@@ -1,0 +1,341 @@
+// Integrals over a cell are integrals over its faces, by the divergence theorem: the antiderivative of the density
+// along the first axis of the grid, times the component of the normal along it. So only faces are cut by the grid. The
+// antiderivative begins anew in each row of grid cells along that axis, at the first one that the cell meets there. So
+// its terms are those of the cell, and black surroundings of a cell have no part in its sums.
+#include "fields/masses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "core/text.hpp"
+#include "fields/cell_polygons.hpp"
+#include "fields/slicer.hpp"
+#include "input/domain_of_result.hpp"
+#include "input/option_name.hpp"
+#include "input/supports.hpp"
+
+namespace votess {
+namespace fields {
+namespace {
+
+constexpr std::size_t cells_of_task = 256;
+constexpr std::size_t max_along_axis = std::size_t{1} << 20;
+
+// Exact for polynomials of degree 3 on a triangle: its center, and three nodes with these shares of one corner and of
+// the two others.
+constexpr double center_weight = -27.0 / 48, node_weight = 25.0 / 48, near_share = 0.6, far_share = 0.2;
+
+Vector area_of(std::span<const Vector> corners) {
+    Vector area{};
+    for (std::size_t c = 1; c + 1 < corners.size(); ++c) {
+        const Vector twice = cross(minus(corners[c], corners[0]), minus(corners[c + 1], corners[0]));
+        for (std::size_t k = 0; k < 3; ++k) area[k] += twice[k] / 2;
+    }
+    return area;
+}
+
+// Products of two coordinates, in their order: xx, xy, xz, yy, yz, zz.
+using Products = std::array<double, 6>;
+constexpr std::array<std::array<std::size_t, 2>, 6> factors{{{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
+
+// Of the part of a cell's density on one side of faces: integrals of 1, x and products of coordinates.
+struct Moments {
+    double mass = 0;
+    Vector first{};
+    Products second{};
+    // Adds a node. t: the antiderivatives along x of the density times 1, x and x^2; y, z: its other coordinates.
+    void add(double weight, const Vector& t, double y, double z) {
+        mass += weight * t[0];
+        first[0] += weight * t[1], first[1] += weight * t[0] * y, first[2] += weight * t[0] * z;
+        second[0] += weight * t[2], second[1] += weight * t[1] * y, second[2] += weight * t[1] * z;
+        second[3] += weight * t[0] * y * y, second[4] += weight * t[0] * y * z, second[5] += weight * t[0] * z * z;
+    }
+};
+
+// Of a part of a face: where it lies, and the integrals of the normal's first component times 1, y, z, yy, yz and zz.
+struct Part {
+    Cell cell{};
+    Products across{};
+};
+
+class Integrator {
+public:
+    Integrator(const Tessellation& t, const Frame& frame, std::span<const double> values, bool walls, Masses& out)
+        : t_(t),
+          frame_(frame),
+          values_(values),
+          walls_(walls),
+          out_(out),
+          polygons_(t, frame),
+          slicer_(frame),
+          size_(frame.cell_size()),
+          dimensions_(t.planar() ? 2 : 3) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            Vector step{};
+            step[k] = 1;
+            edges_[k] = frame.in_space(step);
+        }
+    }
+
+    void add_cell(std::size_t seed) {
+        for (std::size_t k = 0; k < dimensions_; ++k)
+            out_.centroids[dimensions_ * seed + k] = std::numeric_limits<double>::quiet_NaN();
+        if (!polygons_.load(seed)) return;
+        moments_ = {};
+        volume_ = 0;
+        parts_.clear();
+        place_.at = polygons_.at();
+        for (std::size_t entry = polygons_.begin(); entry < polygons_.end(); ++entry) add_face(entry);
+        add_rows();
+        finish(seed);
+    }
+
+private:
+    [[nodiscard]] double value(const Cell& cell) const { return values_[frame_.index(cell)]; }
+    // The first corner of the cell says where it lies.
+    [[nodiscard]] double value_at_corner() const {
+        Cell cell{};
+        for (std::size_t k = 0; k < 3; ++k) cell[k] = frame_.cover(k, place_.at[k], 0, 0).first;
+        return value(cell);
+    }
+
+    void add_face(std::size_t entry) {
+        const std::span<const Vector> corners = polygons_.polygon(entry);
+        const Vector area = area_of(corners);
+        const bool has_mass = walls_ || t_.indices()[entry] >= 0;
+        if (!has_mass && area[0] == 0) return;
+        piece_.clear();
+        piece_.add_polygon(corners);
+        if (piece_.empty()) return;
+        Window window;
+        std::array<bool, 3> between{};  // two layers of grid cells
+        for (std::size_t k = 0; k < 3; ++k) {
+            window[k] = cover(frame_, piece_, place_, k);
+            const auto [least, largest] = piece_.extent(place_.along[k]);
+            between[k] = least == largest && least == static_cast<double>(window[k].first) - place_.at[k] &&
+                         (frame_.axis(k).periodic || window[k].first > 0);
+        }
+        double sum = 0, all = 0;
+        slicer_.slice(piece_, place_, window, [&](const Cell& cell, const ConvexPiece& part) {
+            const std::span<const Vector> polygon = part.polygon(0);
+            if (has_mass) {
+                const double share = dot(area_of(polygon), area);
+                sum += share * mean_of_sides(cell, between);
+                all += share;
+            }
+            if (area[0] != 0) add_part(cell, polygon);
+        });
+        if (!has_mass) return;
+        const double mean = all > 0 ? sum / all : value_at_corner();
+        out_.face_masses[entry] = mean * (t_.face_areas().empty() ? area_in_space(area) : t_.face_areas()[entry]);
+    }
+
+    // Returns the area in space of a face that has this one in the grid.
+    [[nodiscard]] double area_in_space(const Vector& area) const {
+        Vector in_space{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vector normal = cross(edges_[(k + 1) % 3], edges_[(k + 2) % 3]);
+            for (std::size_t i = 0; i < 3; ++i) in_space[i] += area[k] * normal[i];
+        }
+        return length3(in_space[0], in_space[1], in_space[2]);
+    }
+
+    [[nodiscard]] double mean_of_sides(const Cell& cell, const std::array<bool, 3>& between) const {
+        double mean = value(cell);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!between[k]) continue;
+            Cell other = cell;
+            --other[k];
+            mean = (mean + value(other)) / 2;
+        }
+        return mean;
+    }
+
+    void add_part(const Cell& cell, std::span<const Vector> corners) {
+        const double density = value(cell), low = static_cast<double>(cell[0]) - place_.at[0];
+        Part part{cell, {}};
+        const auto add_node = [&](double weight, const Vector& x) {
+            const double y = x[1], z = x[2], inside = x[0] - low;
+            volume_ += weight * x[0];
+            const Products terms{1, y, z, y * y, y * z, z * z};
+            for (std::size_t n = 0; n < 6; ++n) part.across[n] += weight * terms[n];
+            const double first = inside * (x[0] + low) / 2;
+            const double second = inside * (x[0] * x[0] + x[0] * low + low * low) / 3;
+            if (density > 0) moments_.add(density * weight, {inside, first, second}, y, z);
+        };
+        for (std::size_t c = 1; c + 1 < corners.size(); ++c) {
+            const Vector &a = corners[0], &b = corners[c], &d = corners[c + 1];
+            const double area = ((b[1] - a[1]) * (d[2] - a[2]) - (b[2] - a[2]) * (d[1] - a[1])) / 2;
+            Vector sum, p, q, r;
+            for (std::size_t k = 0; k < 3; ++k) {
+                sum[k] = a[k] + b[k] + d[k];
+                p[k] = far_share * sum[k] + (near_share - far_share) * a[k];
+                q[k] = far_share * sum[k] + (near_share - far_share) * b[k];
+                r[k] = far_share * sum[k] + (near_share - far_share) * d[k];
+                sum[k] /= 3;
+            }
+            add_node(center_weight * area, sum);
+            add_node(node_weight * area, p);
+            add_node(node_weight * area, q);
+            add_node(node_weight * area, r);
+        }
+        parts_.push_back(part);
+    }
+
+    // Adds the grid cells between the parts of faces and the beginning of each row.
+    void add_rows() {
+        if (parts_.empty()) return;
+        Window rows;
+        for (std::size_t k = 1; k < 3; ++k) {
+            const auto [least, largest] = std::ranges::minmax(parts_, {}, [k](const Part& p) { return p.cell[k]; });
+            rows[k] = {least.cell[k], largest.cell[k]};
+        }
+        const std::int64_t along = rows[2].last - rows[2].first + 1;
+        const auto row_of = [&](const Part& part) {
+            return static_cast<std::size_t>((part.cell[1] - rows[1].first) * along + part.cell[2] - rows[2].first);
+        };
+        begin_.assign(static_cast<std::size_t>((rows[1].last - rows[1].first + 1) * along),
+                      std::numeric_limits<std::int64_t>::max());
+        for (const Part& part : parts_) begin_[row_of(part)] = std::min(begin_[row_of(part)], part.cell[0]);
+        for (const Part& part : parts_) {
+            Vector t{};
+            Cell cell = part.cell;
+            for (cell[0] = begin_[row_of(part)]; cell[0] < part.cell[0]; ++cell[0]) {
+                const double density = value(cell), low = static_cast<double>(cell[0]) - place_.at[0];
+                t[0] += density;
+                t[1] += density * (low + 0.5);
+                t[2] += density * (low * low + low + 1.0 / 3);
+            }
+            if (t[0] == 0) continue;
+            const Products& by = part.across;
+            moments_.mass += by[0] * t[0];
+            moments_.first[0] += by[0] * t[1], moments_.first[1] += by[1] * t[0], moments_.first[2] += by[2] * t[0];
+            moments_.second[0] += by[0] * t[2], moments_.second[1] += by[1] * t[1], moments_.second[2] += by[2] * t[1];
+            for (std::size_t n = 3; n < 6; ++n) moments_.second[n] += by[n] * t[0];
+        }
+    }
+
+    // The volume of a tiny cell has more digits than the polyhedron of its rounded vertices.
+    void finish(std::size_t seed) {
+        double volume = std::ldexp(volume_ * size_.mantissa, size_.exponent);
+        if (!t_.volumes().empty()) {
+            const double stated = t_.volumes()[seed];
+            if (!(volume > stated / 2 && volume < 2 * stated)) {
+                moments_ = {value_at_corner(), {}, {}};
+                volume_ = 1;
+            }
+            volume = stated;
+        }
+        const double mass = std::max(0.0, moments_.mass / volume_);
+        out_.masses[seed] = mass * volume;
+        if (!(out_.masses[seed] > 0)) return;
+        Vector center{};
+        for (std::size_t k = 0; k < 3; ++k) center[k] = moments_.first[k] / moments_.mass;
+        const Vector place = frame_.in_space(center);
+        for (std::size_t k = 0; k < dimensions_; ++k)
+            out_.centroids[dimensions_ * seed + k] = polygons_.first()[k] + place[k];
+        double second = 0;
+        for (std::size_t n = 0; n < 6; ++n) {
+            const auto [i, j] = factors[n];
+            if (j >= dimensions_) continue;
+            const double central = moments_.second[n] / moments_.mass - center[i] * center[j];
+            second += (i == j ? 1 : 2) * central * dot(edges_[i], edges_[j]);
+        }
+        out_.second_moments[seed] = std::max(0.0, second) * out_.masses[seed];
+    }
+
+    const Tessellation& t_;
+    const Frame& frame_;
+    std::span<const double> values_;
+    bool walls_;
+    Masses& out_;
+    CellPolygons polygons_;
+    Slicer slicer_;
+    Size size_;  // of a grid cell
+    std::size_t dimensions_;
+    std::array<Vector, 3> edges_{};  // of a grid cell, in space
+    Place place_;
+    ConvexPiece piece_;  // a face
+    // Of the cell, in the grid, relative to its first corner.
+    double volume_ = 0;
+    Moments moments_;
+    std::vector<Part> parts_;
+    std::vector<std::int64_t> begin_;  // by row of grid cells
+};
+
+}  // namespace
+
+std::vector<double> checked_values(const Density& density, bool planar, const std::string& function) {
+    const auto refuse = [&](const std::string& message) {
+        throw Error(ErrorCode::invalid_argument, function + "(): the density: " + message);
+    };
+    std::size_t cells = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t along = density.shape[k];
+        if (along == 0 || along > max_along_axis)
+            refuse("shape[" + std::to_string(k) + "] = " + std::to_string(along) + " is not from 1 to " +
+                   std::to_string(max_along_axis));
+        cells *= along;
+    }
+    if (planar && density.shape[2] != 1)
+        refuse("shape[2] = " + std::to_string(density.shape[2]) + ": give 1 in two dimensions");
+    if (density.values.size() != cells)
+        refuse("there are " + std::to_string(density.values.size()) + " values, the shape needs " +
+               std::to_string(cells));
+    std::vector<double> values;
+    values.reserve(cells);
+    double sum = 0;
+    in_pieces(cells, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            values.push_back(density.values[i]);
+            sum += values[i];
+            if (!(values[i] >= 0) || !std::isfinite(values[i]))
+                refuse("value " + std::to_string(i) + " is " + number(values[i]) +
+                       ": it must be finite and not negative");
+        }
+    });
+    if (!(sum > 0) || !std::isfinite(sum)) refuse("its values sum to " + number(sum) + ": there is no mass to divide");
+    return values;
+}
+
+Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const double> values, ThreadPool& pool,
+                 bool walls) {
+    Masses out;
+    out.masses.resize(t.size());
+    out.centroids.resize(t.size() * (t.planar() ? 2 : 3));
+    out.second_moments.resize(t.size());
+    out.face_masses.resize(t.indices().size());
+    std::vector<std::unique_ptr<Integrator>> workers;
+    for (unsigned w = 0; w < pool.size(); ++w)
+        workers.push_back(std::make_unique<Integrator>(t, frame, values, walls, out));
+    pool.run(ceil_div(t.size(), cells_of_task), [&](std::size_t task, unsigned worker) {
+        check_stop();
+        for (std::size_t seed = task * cells_of_task; seed < std::min(t.size(), (task + 1) * cells_of_task); ++seed)
+            workers[worker]->add_cell(seed);
+    });
+    return out;
+}
+
+}  // namespace fields
+
+Masses masses(const Tessellation& t, const Density& density, unsigned threads) {
+    require(t, "masses");
+    const auto refuse = [](const std::string& message) {
+        throw Error(ErrorCode::invalid_argument, "masses(): " + message);
+    };
+    const std::vector<double> values = fields::checked_values(density, t.planar(), "masses");
+    if (t.size() == 0) return {};
+    if (t.face_offsets().size() != t.indices().size() + 1)
+        refuse("the tessellation has no polygons, set " + option("want.faces"));
+    if (t.least_face() > 0)
+        refuse("faces were dropped, and cells need them all: leave out " + option("min_face") + " and " +
+               option("min_area"));
+    if (EndlessSides(region_of(t)).any())
+        refuse("cells that reach infinity have no mass, give a box with ends: set " + option("box"));
+    ThreadPool pool(threads);
+    return fields::masses_in(t, fields::Frame(t, density.shape), values, pool, true);
+}
+
+}  // namespace votess

@@ -1,0 +1,20 @@
+// The density that is constant in the cells of a grid, integrated over cells and faces.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/thread_pool.hpp"
+#include "fields/frame.hpp"
+#include "votess/density.hpp"
+
+namespace votess::fields {
+
+// Returns a copy of the values. function: for messages.
+[[nodiscard]] std::vector<double> checked_values(const Density& density, bool planar, const std::string& function);
+
+// values: of the cells of the frame. t: with faces. walls: whether their faces have masses too; else 0.
+[[nodiscard]] Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const double> values,
+                               ThreadPool& pool, bool walls);
+
+}  // namespace votess::fields

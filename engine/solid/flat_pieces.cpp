@@ -1,0 +1,171 @@
+#include "solid/flat_pieces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "solid/mesh_cells.hpp"
+
+namespace votess::solid {
+namespace {
+
+std::size_t at(std::int64_t i) {
+    return static_cast<std::size_t>(i);
+}
+
+struct OutlineEdge {
+    std::int32_t from, to;
+    std::int32_t source;
+    std::uint8_t on_surface;
+};
+bool is_same_line(const OutlineEdge& a, const OutlineEdge& b) {
+    return a.on_surface != 0 && b.on_surface != 0 && a.source == b.source;
+}
+using Ring = std::vector<OutlineEdge>;
+
+// One piece of a sheet.
+class PrismPiece {
+public:
+    PrismPiece(const Pieces& all, std::size_t p)
+        : vertices_(std::span(all.vertices)
+                        .subspan(at(3 * all.vertex_offsets[p]),
+                                 at(3 * (all.vertex_offsets[p + 1] - all.vertex_offsets[p])))) {
+        for (std::int64_t t = all.triangle_offsets[p]; t < all.triangle_offsets[p + 1]; ++t) {
+            const std::int32_t source = all.sources[at(t)];
+            const std::uint8_t on_surface = all.on_surface[at(t)];
+            const bool is_wall = on_surface == 0 && (source == MeshCells::below || source == MeshCells::above);
+            if (is_wall && source == MeshCells::below) continue;
+            auto& edges = is_wall ? top_ : sides_;
+            for (std::size_t k = 0; k < 3; ++k)
+                edges.push_back({all.triangles[at(3 * t) + k], all.triangles[at(3 * t) + (k + 1) % 3],
+                                 on_surface != 0 ? source / 2 : source, on_surface});
+        }
+    }
+
+    // Returns the rings of the outline, the longest one first. No ring visits a vertex twice.
+    [[nodiscard]] std::vector<Ring> rings() {
+        find_outline();
+        std::vector<Ring> found;
+        std::vector<bool> used(outline_.size());
+        Ring path;
+        for (std::size_t e = 0; e < outline_.size(); ++e)
+            for (std::size_t next = e; next < outline_.size() && !used[next];) {
+                used[next] = true;
+                path.push_back(outline_[next]);
+                const std::int32_t v = path.back().to;
+                const auto begin = std::ranges::find(path, v, &OutlineEdge::from);
+                if (begin != path.end()) {
+                    Ring ring(begin, path.end());
+                    join_lines(ring);
+                    drop_points(ring);
+                    if (ring.size() > 2) found.push_back(std::move(ring));
+                    path.erase(begin, path.end());
+                }
+                next = edge_from(v, used);
+            }
+        std::ranges::stable_sort(found, std::ranges::greater(), [&](const Ring& ring) { return length(ring); });
+        return found;
+    }
+
+    [[nodiscard]] std::array<double, 2> place(std::int32_t v) const {
+        return {vertices_[at(3 * v)], vertices_[at(3 * v) + 1]};
+    }
+
+private:
+    static bool by_ends(const OutlineEdge& a, const OutlineEdge& b) {
+        return std::pair(a.from, a.to) < std::pair(b.from, b.to);
+    }
+
+    // The edges of the upper face that the sides end, each named by its side.
+    void find_outline() {
+        std::ranges::sort(top_, by_ends);
+        std::ranges::sort(sides_, by_ends);
+        for (const OutlineEdge& edge : top_) {
+            const OutlineEdge back{edge.to, edge.from, 0, 0};
+            const auto side = std::ranges::lower_bound(sides_, back, by_ends);
+            if (side == sides_.end() || by_ends(back, *side)) continue;
+            outline_.push_back({edge.from, edge.to, side->source, side->on_surface});
+        }
+    }
+    // Returns an edge that is not used yet, or the number of edges.
+    [[nodiscard]] std::size_t edge_from(std::int32_t v, const std::vector<bool>& used) const {
+        auto e = std::ranges::lower_bound(outline_, v, {}, &OutlineEdge::from);
+        while (e != outline_.end() && e->from == v && used[at(e - outline_.begin())]) ++e;
+        return e != outline_.end() && e->from == v ? at(e - outline_.begin()) : outline_.size();
+    }
+    // Sides of a prism are two triangles, which meet within an edge of the mesh.
+    static void join_lines(Ring& ring) {
+        if (ring.size() < 2) return;
+        const auto begins =
+            std::ranges::adjacent_find(ring, [](const auto& a, const auto& b) { return !is_same_line(a, b); });
+        if (begins == ring.end()) return;
+        std::ranges::rotate(ring, begins + 1);
+        std::size_t out = 0;
+        for (std::size_t e = 1; e < ring.size(); ++e) {
+            if (is_same_line(ring[out], ring[e]))
+                ring[out].to = ring[e].to;
+            else
+                ring[++out] = ring[e];
+        }
+        ring.resize(out + 1);
+    }
+    // Ties leave edges whose ends are at one place.
+    void drop_points(Ring& ring) const {
+        std::erase_if(ring, [&](const OutlineEdge& edge) { return place(edge.from) == place(edge.to); });
+        for (std::size_t e = 0; e < ring.size(); ++e) ring[e].to = ring[(e + 1) % ring.size()].from;
+    }
+    [[nodiscard]] double length(const Ring& ring) const {
+        double sum = 0;
+        for (const OutlineEdge& edge : ring) {
+            const auto a = place(edge.from), b = place(edge.to);
+            sum += std::hypot(b[0] - a[0], b[1] - a[1]);
+        }
+        return sum;
+    }
+
+    std::span<const double> vertices_;
+    std::vector<OutlineEdge> top_, sides_, outline_;
+};
+
+}  // namespace
+
+Pieces flat_pieces(const Pieces& prisms, double thickness) {
+    Pieces flat;
+    flat.indptr = flat.vertex_offsets = flat.triangle_offsets = {0};
+    std::vector<std::int32_t> number;
+    const auto add = [&](std::size_t p) {
+        PrismPiece piece(prisms, p);
+        const std::vector<Ring> rings = piece.rings();
+        if (rings.empty()) return;  // without an area, except for rounding
+        number.assign(at(prisms.vertex_offsets[p + 1] - prisms.vertex_offsets[p]), -1);
+        std::int32_t count = 0;
+        for (const Ring& ring : rings)
+            for (const OutlineEdge& edge : ring) {
+                for (const std::int32_t v : {edge.from, edge.to}) {
+                    if (number[at(v)] < 0) {
+                        number[at(v)] = count++;
+                        const auto x = piece.place(v);
+                        flat.vertices.insert(flat.vertices.end(), x.begin(), x.end());
+                    }
+                    flat.triangles.push_back(number[at(v)]);
+                }
+                flat.on_surface.push_back(edge.on_surface);
+                flat.sources.push_back(edge.source);
+            }
+        flat.vertex_offsets.push_back(static_cast<std::int64_t>(flat.vertices.size() / 2));
+        flat.triangle_offsets.push_back(static_cast<std::int64_t>(flat.sources.size()));
+        flat.volumes.push_back(prisms.volumes[p] / thickness);
+        for (std::size_t k = 0; k < 2; ++k) flat.centroids.push_back(prisms.centroids[3 * p + k]);
+    };
+    for (std::size_t row = 0; row + 1 < prisms.indptr.size(); ++row) {
+        for (std::int64_t p = prisms.indptr[row]; p < prisms.indptr[row + 1]; ++p) add(at(p));
+        flat.indptr.push_back(static_cast<std::int64_t>(flat.size()));
+    }
+    return flat;
+}
+
+}  // namespace votess::solid

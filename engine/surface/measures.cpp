@@ -1,0 +1,216 @@
+#include "surface/measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/sum.hpp"
+
+namespace votess::surface {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+Vector3 along(const Vector3& from, const Vector3& way, double share) {
+    return {from[0] + share * way[0], from[1] + share * way[1], from[2] + share * way[2]};
+}
+
+double distance(const Vector3& a, const Vector3& b) {
+    const Vector3 d = minus(a, b);
+    return length3(d[0], d[1], d[2]);
+}
+
+// Returns the place of the segment from a to b nearest to x.
+Vector3 nearest_on_segment(const Vector3& x, const Vector3& a, const Vector3& b) {
+    const Vector3 way = minus(b, a);
+    const double square = dot(way, way);
+    return square > 0 ? along(a, way, std::clamp(dot(minus(x, a), way) / square, 0.0, 1.0)) : a;
+}
+
+// Returns the place of a triangle nearest to x.
+Vector3 nearest_on_triangle(const Vector3& x, const Vector3& a, const Vector3& b, const Vector3& c) {
+    const Vector3 n = cross(minus(b, a), minus(c, a));
+    const double square = dot(n, n);
+    if (square > 0) {
+        const Vector3 foot = along(x, n, -dot(minus(x, a), n) / square);
+        const auto is_inside = [&](const Vector3& u, const Vector3& v) {
+            return dot(cross(minus(v, u), minus(foot, u)), n) >= 0;
+        };
+        if (is_inside(a, b) && is_inside(b, c) && is_inside(c, a)) return foot;
+    }
+    Vector3 best = nearest_on_segment(x, a, b);
+    for (const Vector3& place : {nearest_on_segment(x, b, c), nearest_on_segment(x, c, a)})
+        if (distance(place, x) < distance(best, x)) best = place;
+    return best;
+}
+
+}  // namespace
+
+void CellOnSurface::measure(std::int32_t seed, std::span<const std::size_t> own) {
+    seed_ = seed;
+    area = border = energy = 0;
+    moment_ = {};
+    sides_.clear();
+    part_areas.clear();
+    for (const std::size_t p : own) add_part(p);
+    centroid = nearest = {nan, nan, nan};
+    if (area > 0) {
+        for (std::size_t k = 0; k < 3; ++k) centroid[k] = moment_[k] / area;
+        find_nearest(own);
+    }
+    find_pieces(own);
+    find_row();
+}
+
+// Returns the weights of the second and third vertex of the triangle at a corner.
+std::array<double, 2> CellOnSurface::weights(std::size_t p, std::size_t c) const {
+    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.triangles[p])];
+    const Side in = parts_.before(p, c), out = parts_.sides[c];
+    const auto vertex = [](std::size_t i) { return std::array{i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}; };
+    if (in < 0 && out < 0) return vertex(corner_of(out));
+    const auto& place = parts_.places[at(parts_.corners[c]) - surface_.vertices().size()];
+    if (in >= 0 && out >= 0) return place;
+    std::size_t from = corner_of(std::min(in, out)), to = (from + 1) % 3;
+    if (triangle.vertex[from] > triangle.vertex[to]) std::swap(from, to);
+    const auto a = vertex(from), b = vertex(to);
+    const double share = place[0];
+    return {(1 - share) * a[0] + share * b[0], (1 - share) * a[1] + share * b[1]};
+}
+
+void CellOnSurface::add_part(std::size_t p) {
+    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.triangles[p])];
+    const Vector3 u = surface_.vertex(triangle.vertex[0]), base = minus(u, surface_.seed(seed_));
+    const Vector3 a = minus(surface_.vertex(triangle.vertex[1]), u), b = minus(surface_.vertex(triangle.vertex[2]), u);
+    const std::size_t begin = parts_.begin(p), size = parts_.end(p) - begin;
+    weights_.clear();
+    places_.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+        weights_.push_back(weights(p, begin + i));
+        places_.push_back(along(along(base, a, weights_[i][0]), b, weights_[i][1]));
+    }
+    double part = 0;
+    if (parts_.without_area[p] == 0)
+        for (std::size_t i = 1; i + 1 < size; ++i) {
+            const auto &o = weights_[0], &v = weights_[i], &w = weights_[i + 1];
+            const double share = (v[0] - o[0]) * (w[1] - o[1]) - (v[1] - o[1]) * (w[0] - o[0]);
+            const double piece = triangle.area * share;
+            part += piece;
+            Vector3 sum{};
+            double squares = 0;
+            for (const Vector3* x : {&places_[0], &places_[i], &places_[i + 1]}) {
+                for (std::size_t k = 0; k < 3; ++k) sum[k] += (*x)[k];
+                squares += dot(*x, *x);
+            }
+            for (std::size_t k = 0; k < 3; ++k) moment_[k] += piece / 3 * sum[k];
+            energy += piece / 12 * (squares + dot(sum, sum));
+        }
+    part = std::max(part, 0.0);  // may be rounded to less
+    area += part;
+    part_areas.push_back(part);
+    for (std::size_t i = 0; i < size; ++i) {
+        const std::size_t next = i + 1 == size ? 0 : i + 1;
+        const Side side = parts_.sides[begin + i];
+        const bool is_point = parts_.without_length[begin + i] != 0;
+        double length = 0;
+        if (!is_point) {
+            const double s = weights_[next][0] - weights_[i][0], t = weights_[next][1] - weights_[i][1];
+            length = length3(s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]);
+        }
+        if (side >= 0)
+            sides_.push_back({side, p, parts_.corners[begin + i], parts_.corners[begin + next], length, is_point});
+        else if (surface_.edges()[at(triangle.edge[corner_of(side)])].triangles == 1)
+            border += length;
+    }
+}
+
+// Returns a corner relative to the seed.
+Vector3 CellOnSurface::corner(std::size_t p, std::size_t c) const {
+    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.triangles[p])];
+    const Vector3 u = surface_.vertex(triangle.vertex[0]), base = minus(u, surface_.seed(seed_));
+    const auto w = weights(p, c);
+    return along(along(base, minus(surface_.vertex(triangle.vertex[1]), u), w[0]),
+                 minus(surface_.vertex(triangle.vertex[2]), u), w[1]);
+}
+
+void CellOnSurface::find_nearest(std::span<const std::size_t> own) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::size_t p : own) {
+        if (parts_.without_area[p] != 0) continue;
+        places_.clear();
+        for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) places_.push_back(corner(p, c));
+        for (std::size_t i = 1; i + 1 < places_.size(); ++i) {
+            const Vector3 place = nearest_on_triangle(centroid, places_[0], places_[i], places_[i + 1]);
+            if (const double d = distance(place, centroid); d < least) least = d, nearest = place;
+        }
+    }
+}
+
+std::size_t CellOnSurface::root(std::size_t i) {
+    while (joined_[i] != i) i = joined_[i] = joined_[joined_[i]];
+    return i;
+}
+
+// Joins parts with a side on one edge of the surface: there the cell is one segment. Counts corners, sides and parts.
+void CellOnSurface::find_pieces(std::span<const std::size_t> own) {
+    joined_.resize(own.size());
+    std::iota(joined_.begin(), joined_.end(), std::size_t{0});
+    on_edges_.clear();
+    vertices_.clear();
+    std::size_t edges = sides_.size();
+    for (std::size_t i = 0; i < own.size(); ++i)
+        for (std::size_t c = parts_.begin(own[i]); c < parts_.end(own[i]); ++c) {
+            vertices_.push_back(parts_.corners[c]);
+            const auto& of_triangle = surface_.triangles()[at(parts_.triangles[own[i]])].edge;
+            if (parts_.sides[c] < 0) on_edges_.push_back({of_triangle[corner_of(parts_.sides[c])], i});
+        }
+    std::ranges::sort(on_edges_);
+    for (std::size_t k = 0; k < on_edges_.size(); ++k) {
+        if (k > 0 && on_edges_[k].first == on_edges_[k - 1].first)
+            joined_[root(on_edges_[k].second)] = root(on_edges_[k - 1].second);
+        else
+            ++edges;
+    }
+    std::ranges::sort(vertices_);
+    const auto vertices = std::unique(vertices_.begin(), vertices_.end()) - vertices_.begin();
+    euler =
+        static_cast<std::int32_t>(vertices) - static_cast<std::int32_t>(edges) + static_cast<std::int32_t>(own.size());
+    pieces = 0;
+    for (std::size_t i = 0; i < own.size(); ++i) pieces += joined_[i] == i ? 1 : 0;
+}
+
+// Sums sides by the seed beyond them. Sides that end at one crossing with an edge of the surface belong to one curve.
+void CellOnSurface::find_row() {
+    row.clear();
+    std::ranges::stable_sort(sides_, {}, &OnBisector::seed);
+    for (std::size_t begin = 0, end = 0; begin < sides_.size(); begin = end) {
+        while (end < sides_.size() && sides_[end].seed == sides_[begin].seed) ++end;
+        Sum length;
+        bool has_length = false;
+        joined_.resize(end - begin);
+        std::iota(joined_.begin(), joined_.end(), std::size_t{0});
+        ends_.clear();
+        for (std::size_t i = begin; i < end; ++i) {
+            length += sides_[i].length;
+            has_length |= !sides_[i].is_point;
+            ends_.push_back({sides_[i].from, i - begin});
+            ends_.push_back({sides_[i].to, i - begin});
+        }
+        if (!has_length) continue;
+        std::ranges::sort(ends_);
+        for (std::size_t k = 1; k < ends_.size(); ++k)
+            if (ends_[k].first == ends_[k - 1].first) joined_[root(ends_[k].second)] = root(ends_[k - 1].second);
+        Shared shared{sides_[begin].seed, length.value(), 0, 0};
+        std::vector<std::uint8_t> is_open(end - begin);
+        for (std::size_t k = 0; k < ends_.size(); ++k) {
+            const bool is_alone = (k == 0 || ends_[k - 1].first != ends_[k].first) &&
+                                  (k + 1 == ends_.size() || ends_[k + 1].first != ends_[k].first);
+            if (is_alone) is_open[root(ends_[k].second)] = 1;
+        }
+        for (std::size_t i = 0; i < joined_.size(); ++i)
+            if (joined_[i] == i) ++shared.curves, shared.loops += is_open[i] == 0 ? 1 : 0;
+        row.push_back(shared);
+    }
+}
+
+}  // namespace votess::surface

@@ -1,0 +1,154 @@
+// surface_cells(): parts tile the surface, threads, ties, the dual, refusals, stops. Fractions: test_surface.py.
+#include "votess/surface.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <set>
+
+namespace {
+
+struct Given {
+    std::vector<double> vertices;
+    std::vector<std::int32_t> triangles;
+    [[nodiscard]] votess::TriangleMesh view() const { return {vertices, triangles}; }
+};
+
+// The octahedron, its triangles cut into n^2 and put onto the unit sphere.
+Given sphere(int n) {
+    Given s;
+    for (const int x : {1, -1})
+        for (const int y : {1, -1})
+            for (const int z : {1, -1}) {
+                const auto first = static_cast<std::int32_t>(s.vertices.size() / 3);
+                for (int i = 0; i <= n; ++i)
+                    for (int j = 0; j <= n - i; ++j) {
+                        const double a = i, b = j, c = n - i - j, length = std::sqrt(a * a + b * b + c * c);
+                        for (const double coordinate : {x * a, y * b, z * c}) s.vertices.push_back(coordinate / length);
+                    }
+                const auto at = [&](int i, int j) { return first + i * (n + 1) - i * (i - 1) / 2 + j; };
+                const auto add = [&](std::int32_t u, std::int32_t v, std::int32_t w) {
+                    if (x * y * z > 0) std::swap(v, w);
+                    s.triangles.insert(s.triangles.end(), {u, v, w});
+                };
+                for (int i = 0; i < n; ++i)
+                    for (int j = 0; j < n - i; ++j) {
+                        add(at(i, j), at(i, j + 1), at(i + 1, j));
+                        if (j + 1 < n - i) add(at(i + 1, j), at(i, j + 1), at(i + 1, j + 1));
+                    }
+            }
+    return s;
+}
+
+std::vector<double> places_on_sphere(std::size_t count, unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::vector<double> points;
+    for (std::size_t i = 0; i < count; ++i) {
+        double x[3], square = 0;
+        for (double& coordinate : x) coordinate = normal(random), square += coordinate * coordinate;
+        for (const double coordinate : x) points.push_back(coordinate / std::sqrt(square));
+    }
+    return points;
+}
+
+double sum(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+votess::SurfaceCells cells_of(const std::vector<double>& points, const Given& surface,
+                              const votess::SurfaceOptions& options = {}) {
+    votess::TriangleMesh mesh = surface.view();
+    mesh.merge = true;
+    return votess::surface_cells(points, mesh, options);
+}
+
+}  // namespace
+
+TEST_CASE("surface: the dual of cells on a sphere is a closed mesh, on any number of threads") {
+    const Given surface = sphere(24);
+    const auto points = places_on_sphere(300, 1);
+    votess::SurfaceOptions options;
+    options.threads = 1;
+    const votess::SurfaceCells one = cells_of(points, surface, options);
+    options.threads = 3;
+    const votess::SurfaceCells three = cells_of(points, surface, options);
+    CHECK(one.areas == three.areas);
+    CHECK(one.centroids == three.centroids);
+    CHECK(one.lengths == three.lengths);
+    CHECK(one.vertices == three.vertices);
+    CHECK(one.dual == three.dual);
+    CHECK(one.faults().empty());
+    CHECK(one.dual.size() == 3 * (2 * 300 - 4));
+    double area = 0;
+    for (std::size_t t = 0; t < surface.triangles.size(); t += 3) {
+        const auto x = [&](std::size_t i, std::size_t k) {
+            return surface.vertices[3 * static_cast<std::size_t>(surface.triangles[t + i]) + k];
+        };
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+            const double c = (x(1, l) - x(0, l)) * (x(2, m) - x(0, m)) - (x(1, m) - x(0, m)) * (x(2, l) - x(0, l));
+            square += c * c;
+        }
+        area += 0.5 * std::sqrt(square);
+    }
+    CHECK(std::abs(sum(one.areas) / area - 1) < 1e-13);
+    // Each edge is run along once in each direction, and triangles are counterclockwise seen from outside.
+    std::set<std::pair<std::int32_t, std::int32_t>> edges;
+    for (std::size_t t = 0; t < one.dual.size(); t += 3) {
+        for (std::size_t k = 0; k < 3; ++k) CHECK(edges.insert({one.dual[t + k], one.dual[t + (k + 1) % 3]}).second);
+        const double* const a = &points[3 * static_cast<std::size_t>(one.dual[t])];
+        const double* const b = &points[3 * static_cast<std::size_t>(one.dual[t + 1])];
+        const double* const c = &points[3 * static_cast<std::size_t>(one.dual[t + 2])];
+        CHECK(a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                  a[2] * (b[0] * c[1] - b[1] * c[0]) >
+              0);
+    }
+    for (const auto& [from, to] : edges) CHECK(edges.count({to, from}) == 1);
+}
+
+TEST_CASE("surface: ties go to the lowest seed, and polygons share corners") {
+    const Given square{{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, {0, 1, 2, 0, 2, 3}};
+    // Two layers of a lattice: pairs of seeds mirrored by the square.
+    std::vector<double> points;
+    for (const double x : {0.125, 0.375, 0.625, 0.875})
+        for (const double y : {0.125, 0.375, 0.625, 0.875})
+            for (const double z : {0.5, -0.5}) points.insert(points.end(), {x, y, z});
+    const votess::SurfaceCells cells = votess::surface_cells(points, square.view());
+    for (std::size_t i = 0; i < cells.size(); ++i) CHECK(cells.areas[i] == (i % 2 == 0 ? 0.0625 : 0));
+    CHECK(cells.faults().empty());
+    CHECK(cells.dual.size() == 3 * 18);
+    for (const std::int32_t seed : cells.indices) CHECK(seed % 2 == 0);
+    CHECK(cells.indices.size() == 2 * 24);
+}
+
+TEST_CASE("surface: refuses what it cannot read, and stops") {
+    const Given square{{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, {0, 1, 2, 0, 2, 3}};
+    const std::vector<double> points{0.5, 0.5, 0};
+    const auto message = [&](const std::vector<double>& seeds, const Given& surface,
+                             const votess::SurfaceOptions& options = {}) -> std::string {
+        try {
+            (void)votess::surface_cells(seeds, surface.view(), options);
+        } catch (const votess::Error& error) {
+            CHECK(error.code() == votess::ErrorCode::invalid_argument);
+            return error.what();
+        }
+        return "";
+    };
+    CHECK(message({}, square) == "there are no points: give at least one");
+    CHECK(message({0, 0, NAN}, square) == "point 0: z = nan is not finite");
+    CHECK(message(points, {square.vertices, {}}) == "surface: it has no triangles: give a surface");
+    CHECK(message(points, {square.vertices, {0, 1, 4}}) ==
+          "surface: triangle 0 names vertex 4, but there are 4: give indices from 0 on");
+    CHECK(message(points, {square.vertices, {0, 0, 1}}) == "surface: its triangles have no area");
+    const std::vector<double> weights{1, 2};
+    CHECK(message(points, square, {.weights = weights}) ==
+          "SurfaceOptions::weights hold 2 numbers for 1 points: give one for each");
+    const Given ball = sphere(40);
+    votess::SurfaceOptions options;
+    options.progress = [](double) { return false; };
+    CHECK_THROWS_AS((void)cells_of(places_on_sphere(2000, 2), ball, options), votess::Error);
+}
