@@ -17,7 +17,7 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_count, as_number, shown
 from ._c_api import WantName
-from ._call import Handle, alone, raise_on_failure
+from ._call import Handle, alone, raise_on_failure, watched
 from ._domain import Domain, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points
 from ._library import lib
