@@ -3,6 +3,7 @@
 
 #include <votess/frames.h>
 
+#include <algorithm>
 #include <array>
 
 #include "c/handles.hpp"
@@ -46,7 +47,16 @@ votess_status votess_frames_new(const votess_frames_options* frames, const votes
                                         .weights = {},
                                         .max_entries = frames->max_entries,
                                         .max_images = frames->max_images,
-                                        .margin = frames->margin};
+                                        .margin = frames->margin,
+                                        .uuid = {},
+                                        .wide = false};
+        if (frames->exported != 0) {
+            if (frames->exported != VOTESS_EXPORT_FLOAT32 && frames->exported != VOTESS_EXPORT_FLOAT64)
+                refuse("frames.exported = " + std::to_string(frames->exported) +
+                       ": give VOTESS_EXPORT_FLOAT32, VOTESS_EXPORT_FLOAT64 or 0");
+            std::ranges::copy(frames->device_uuid, settings.uuid.emplace().begin());
+            settings.wide = frames->exported == VOTESS_EXPORT_FLOAT64;
+        }
         if (frames->has_weights != 0) settings.weights.emplace(frames->least_weight, frames->largest_weight);
         constexpr std::size_t any_count = 1;  // weights and radii are refused
         return votess_frames{
@@ -80,6 +90,57 @@ votess_status votess_frames_resolve(votess_frames* frames, votess_frame_cells** 
     return create(out, [&] {
         require(frames, "frames");
         return votess_frame_cells{frames->frames.resolve()};
+    });
+}
+
+votess_status votess_frames_get_export(votess_frames* frames, votess_frames_export* out) {
+    return guarded([&] {
+        require(out, "out");
+        require(frames, "frames");
+        require_struct_size(out->struct_size, sizeof *out, "out.struct_size", "set it to sizeof(votess_frames_export)");
+        const votess::ExportedArrays found = frames->frames.exported();
+        out->memory_descriptor = found.memory_descriptor;
+        out->semaphore_descriptor = found.semaphore_descriptor;
+        out->memory_bytes = found.memory_bytes;
+        out->max_entries = found.max_entries;
+        out->points = found.points;
+        out->weights = found.weights;
+        out->status = found.status;
+        out->indptr = found.indptr;
+        out->indices = found.indices;
+        out->shifts = found.shifts;
+        out->face_areas = found.face_areas;
+        out->volumes = found.volumes;
+        out->centroids = found.centroids;
+    });
+}
+
+votess_status votess_frames_submit(votess_frames* frames, uint32_t count, uint64_t after, uint64_t done) {
+    return guarded([&] {
+        require(frames, "frames");
+        frames->frames.submit(count, after, done);
+    });
+}
+
+votess_status votess_frames_signal(votess_frames* frames, uint64_t value) {
+    return guarded([&] {
+        require(frames, "frames");
+        frames->frames.signal(value);
+    });
+}
+
+votess_status votess_frames_wait(votess_frames* frames, uint64_t value) {
+    return guarded([&] {
+        require(frames, "frames");
+        frames->frames.wait(value);
+    });
+}
+
+votess_status votess_frames_resolve_exported(votess_frames* frames, uint64_t* resolved) {
+    return guarded([&] {
+        require(frames, "frames");
+        const std::size_t cells = frames->frames.resolve_exported();
+        if (resolved != nullptr) *resolved = cells;
     });
 }
 

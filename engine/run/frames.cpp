@@ -11,6 +11,7 @@
 #include "core/system.hpp"
 #include "core/text.hpp"
 #include "gpu/device_choice.hpp"
+#include "gpu/frames/exported_frames.hpp"
 #include "gpu/frames/frame.hpp"
 #include "gpu/frames/host_frames.hpp"
 #include "input/settle.hpp"
@@ -71,7 +72,8 @@ votess::vulkan::PlanOptions plan_of(const FramesSettings& settings, const Settle
     plan.walls = run.region.walls;
     plan.margin = settings.margin;
     plan.most_images = settings.max_images;
-    plan.format = votess::vulkan::SeedFormat::float64;
+    plan.format =
+        settings.uuid && !settings.wide ? votess::vulkan::SeedFormat::float32 : votess::vulkan::SeedFormat::float64;
     plan.neighbors = run.want.neighbors;
     plan.geometry = run.want.volumes || run.want.centroids;
     plan.areas = run.want.areas;
@@ -100,6 +102,7 @@ std::shared_ptr<gpu::vulkan::Device> open_device(const std::string& name) {
 
 struct Frames::State {
     std::optional<gpu::HostFrames> frames;
+    std::optional<gpu::ExportedFrames> exported;  // one of both
     std::atomic_flag at_work;
     system::HomeProcess home;  // where the device was opened
 
@@ -133,6 +136,13 @@ Frames::Frames(const FramesSettings& settings, const Options& options, const Fra
     check_options(options);
     const Settled run = settle(options);
     const votess::vulkan::PlanOptions plan = plan_of(settings, run);
+    if (settings.uuid) {
+        if (share != nullptr) refuse("share: frames with exported memory have a device of their own, leave it out");
+        state_->exported.emplace(*settings.uuid, plan, run.want, run.threads);
+        return;
+    }
+    if (share != nullptr && !share->state_->frames)
+        refuse("share: frames with exported memory do not share their device, leave it out");
     if (share != nullptr) share->state_->check_process();
     state_->frames.emplace(share != nullptr ? share->state_->frames->device() : open_device(run.device), plan, run.want,
                            run.threads);
@@ -143,13 +153,15 @@ Frames::~Frames() {
 }
 
 std::string Frames::device() const {
-    const gpu::HostFrames& frames = *state_->frames;
-    return frames.device()->adapter().name + ": " + frames.plan().kernel();
+    const State& s = *state_;
+    return s.frames ? s.frames->device()->adapter().name + ": " + s.frames->plan().kernel()
+                    : s.exported->device().adapter().name + ": " + s.exported->plan().kernel();
 }
 
 template <class Real>
 detail::FrameRows Frames::run_any(std::span<const Real> points, std::span<const double> weights) {
     const State::Call call(*state_);
+    if (!state_->frames) refuse("these frames have exported memory: submit frames to them");
     const votess::vulkan::PlanOptions& plan = state_->frames->plan().options();
     const std::size_t count = points.size() / 3;
     if (count > plan.most_seeds)
@@ -172,10 +184,67 @@ detail::FrameRows Frames::run(std::span<const float> points, std::span<const dou
 
 detail::FrameRows Frames::resolve() {
     const State::Call call(*state_);
+    if (!state_->frames) refuse("these frames have exported memory: resolve that");
     if (!state_->frames->has_run())
         throw Error(ErrorCode::invalid_use,
                     "resolve() completes the last run, and there is none: run these frames first");
     return state_->frames->resolve();
+}
+
+namespace {
+
+gpu::ExportedFrames& exported_of(std::optional<gpu::ExportedFrames>& frames) {
+    if (!frames) refuse("these frames have no exported memory: make frames with the UUID of a device");
+    return *frames;
+}
+
+}  // namespace
+
+ExportedArrays Frames::exported() {
+    const State::Call call(*state_);
+    gpu::ExportedFrames& frames = exported_of(state_->exported);
+    const gpu::ExportedFrames::Places& at = frames.places();
+    ExportedArrays out;
+    out.memory_bytes = frames.memory_bytes();
+    out.max_entries = frames.plan().sizes().indices / 4;
+    out.points = at.points;
+    out.weights = at.weights;
+    out.status = at.status;
+    out.indptr = at.indptr;
+    out.indices = at.indices;
+    out.shifts = at.shifts;
+    out.face_areas = at.face_areas;
+    out.volumes = at.volumes;
+    out.centroids = at.centroids;
+    out.memory_descriptor = frames.memory_descriptor();
+    out.semaphore_descriptor = frames.semaphore_descriptor();
+    return out;
+}
+
+void Frames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done) {
+    const State::Call call(*state_);
+    gpu::ExportedFrames& frames = exported_of(state_->exported);
+    const std::uint32_t most = frames.plan().options().most_seeds;
+    if (count > most)
+        refuse(std::to_string(count) + " points are more than max_points = " + std::to_string(most) +
+               ": make frames for more");
+    if (done <= after)
+        refuse("done = " + std::to_string(done) + " must be above after = " + std::to_string(after) +
+               ": the values of the semaphore only grow");
+    frames.submit(count, after, done);
+}
+
+void Frames::signal(std::uint64_t value) {
+    exported_of(state_->exported).signal(value);
+}
+
+void Frames::wait(std::uint64_t value) {
+    exported_of(state_->exported).wait(value);
+}
+
+std::size_t Frames::resolve_exported() {
+    const State::Call call(*state_);
+    return exported_of(state_->exported).resolve();
 }
 
 #else
@@ -197,6 +266,15 @@ detail::FrameRows Frames::run(std::span<const float>, std::span<const double>) {
 }
 detail::FrameRows Frames::resolve() {
     return {};
+}
+ExportedArrays Frames::exported() {
+    return {};
+}
+void Frames::submit(std::uint32_t, std::uint64_t, std::uint64_t) {}
+void Frames::signal(std::uint64_t) {}
+void Frames::wait(std::uint64_t) {}
+std::size_t Frames::resolve_exported() {
+    return 0;
 }
 
 #endif

@@ -1,6 +1,7 @@
 // Frames of points in the host's memory, on a Vulkan device. The form without Vulkan's types, for the C interface.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,6 +25,17 @@ struct FramesSettings {
     std::optional<std::pair<double, double>> weights;  // least and largest
     std::uint32_t max_entries = 0, max_images = 0;
     double margin = 0;
+    // For memory that another API maps: the UUID of the device, and whether points and weights are float64.
+    std::optional<std::array<std::uint8_t, 16>> uuid;
+    bool wide = false;
+};
+
+// See votess_frames_export. Offsets are in bytes.
+struct ExportedArrays {
+    int memory_descriptor = -1, semaphore_descriptor = -1;
+    std::uint64_t memory_bytes = 0, max_entries = 0;
+    std::uint64_t points = 0, weights = 0, status = 0, indptr = 0, indices = 0, shifts = 0, face_areas = 0, volumes = 0,
+                  centroids = 0;
 };
 
 // One call at a time: a second one throws invalid_use, and so does each in a child of fork().
@@ -43,6 +55,13 @@ public:
     [[nodiscard]] detail::FrameRows run(std::span<const float> points, std::span<const double> weights);
     // Returns the cells of the last run, all of them: the CPU makes those that the device left.
     [[nodiscard]] detail::FrameRows resolve();
+
+    // For frames with a UUID, see votess/frames.h.
+    [[nodiscard]] ExportedArrays exported();
+    void submit(std::uint32_t count, std::uint64_t after, std::uint64_t done);
+    void signal(std::uint64_t value);
+    void wait(std::uint64_t value);
+    std::size_t resolve_exported();
 
 private:
     struct State;

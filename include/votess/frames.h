@@ -27,8 +27,14 @@ typedef struct votess_frames_options {
     double largest_weight;
     double margin;        // width of the layer of images around a periodic box; 0: as suits uniform points
     uint32_t max_images;  // in that layer; 0: a quarter more than uniform points have
-    int32_t reserved;
+    // VOTESS_EXPORT_*: arrays are in device memory that another API maps, and points and weights have this type. See
+    // votess_frames_get_export. The device is then the one with the UUID, not that of the options. 0: in host memory.
+    int32_t exported;
+    uint8_t device_uuid[16];
 } votess_frames_options;
+
+#define VOTESS_EXPORT_FLOAT32 4
+#define VOTESS_EXPORT_FLOAT64 8
 
 // Opens the device and makes its pipelines, which may take seconds. The domain of the options is a finite box or a
 // cell. `want` may have neighbors, volumes, centroids and areas. The device "auto" is a GPU, or without one a software
@@ -63,6 +69,36 @@ VOTESS_API size_t votess_frame_cells_unresolved(const votess_frame_cells* cells)
 //   centroids   N x 3 in the type of the points, of the cells around these as given; NaN without a cell
 VOTESS_API votess_status votess_frame_cells_array(const votess_frame_cells* cells, const char* name,
                                                   votess_array* array);
+
+// ---- Arrays on the device, for CUDA and other APIs ----
+//
+// The memory is exported (VK_KHR_external_memory_fd), and a timeline semaphore (VK_KHR_external_semaphore_fd), which
+// begins at 0. A step: the other API writes the points, and sets the semaphore to the value `after` on its stream. It
+// waits there for the value `done`, and then reads the arrays. No step waits on the host.
+
+// Where the arrays are. UINT64_MAX: not requested.
+typedef struct votess_frames_export {
+    uint32_t struct_size;          // set it to sizeof(votess_frames_export)
+    int32_t memory_descriptor;     // new ones with each call; the API that imports them owns them
+    int32_t semaphore_descriptor;  // -1 where the device cannot export it
+    int32_t reserved;
+    uint64_t memory_bytes;                                  // of the allocation, which is a dedicated one
+    uint64_t max_entries;                                   // room in indices
+    uint64_t points, weights;                               // offsets in bytes: input, 3 numbers and 1 number a point
+    uint64_t status, indptr, indices, face_areas, volumes;  // as those of votess_frame_cells_array()
+    uint64_t shifts;                                        // int8 x 4 an entry, the fourth is 0
+    uint64_t centroids;                                     // 3 numbers a point, as points
+} votess_frames_export;
+VOTESS_API votess_status votess_frames_get_export(votess_frames* frames, votess_frames_export* out);
+// Submits the cells of `count` points. They begin when the semaphore has the value `after`, and set it to `done`, which
+// is larger; values only grow from call to call. Waits on the host only while two submissions are pending.
+VOTESS_API votess_status votess_frames_submit(votess_frames* frames, uint32_t count, uint64_t after, uint64_t done);
+// Set the semaphore, or wait for it, on the host. Any thread may call them.
+VOTESS_API votess_status votess_frames_signal(votess_frames* frames, uint64_t value);
+VOTESS_API votess_status votess_frames_wait(votess_frames* frames, uint64_t value);
+// Waits for the last submission, makes the cells that it left on the CPU, and writes all arrays again. Nothing else may
+// use the memory meanwhile. resolved: gets the number of these cells, or NULL.
+VOTESS_API votess_status votess_frames_resolve_exported(votess_frames* frames, uint64_t* resolved);
 
 #ifdef __cplusplus
 }

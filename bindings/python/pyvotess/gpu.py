@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from typing import TYPE_CHECKING, Any, Dict, Iterable, Optional, Tuple, Union
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_count, as_number, shown
 from ._c_api import WantName
-from ._call import Handle, alone, raise_on_failure
+from ._call import Handle, alone, raise_on_failure, watched
 from ._domain import Domain, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points
 from ._library import lib
@@ -37,7 +37,9 @@ if TYPE_CHECKING:
     Int32Array = npt.NDArray[np.int32]
     Float32Array = npt.NDArray[np.float32]
 
-__all__ = ["FrameCells", "Frames"]
+__all__ = ["CudaCells", "FrameCells", "Frames"]
+
+_NONE = 2**64 - 1  # the place of an array that was not requested
 
 
 class _Options(ctypes.Structure):
@@ -52,8 +54,24 @@ class _Options(ctypes.Structure):
         ("largest_weight", c_double),
         ("margin", c_double),
         ("max_images", c_uint32),
-        ("reserved", c_int32),
+        ("exported", c_int32),
+        ("device_uuid", c_uint8 * 16),
     ]
+
+
+class _Export(ctypes.Structure):
+    """``votess_frames_export``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("memory_descriptor", c_int32),
+        ("semaphore_descriptor", c_int32),
+        ("reserved", c_int32),
+        *((name, c_uint64) for name in (
+            "memory_bytes", "max_entries", "points", "weights", "status", "indptr", "indices", "face_areas", "volumes", "shifts",
+            "centroids",
+        )),
+    ]  # fmt: skip
 
 
 # As _c_api.SIGNATURES, for votess/frames.h.
@@ -64,6 +82,11 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_frames_run": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p))),
     "votess_frames_run_f32": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p))),
     "votess_frames_resolve": (c_int, (c_void_p, POINTER(c_void_p))),
+    "votess_frames_get_export": (c_int, (c_void_p, POINTER(_Export))),
+    "votess_frames_submit": (c_int, (c_void_p, c_uint32, c_uint64, c_uint64)),
+    "votess_frames_signal": (c_int, (c_void_p, c_uint64)),
+    "votess_frames_wait": (c_int, (c_void_p, c_uint64)),
+    "votess_frames_resolve_exported": (c_int, (c_void_p, POINTER(c_uint64))),
     "votess_frame_cells_free": (None, (c_void_p,)),
     "votess_frame_cells_unresolved": (c_size_t, (c_void_p,)),
     "votess_frame_cells_array": _c_api.SIGNATURES["votess_result_array"],
@@ -71,6 +94,16 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
 for _name, (_result, _arguments) in SIGNATURES.items():
     _function = getattr(lib, _name)
     _function.restype, _function.argtypes = _result, _arguments
+
+
+def _as_dtype(dtype: Any) -> np.dtype[Any]:
+    try:
+        found: np.dtype[Any] = np.dtype(dtype)
+    except (TypeError, ValueError):
+        found = np.dtype(object)
+    if dtype is None or found not in (np.float32, np.float64):
+        raise ValueError(f"dtype is {shown(dtype)}: give float32 or float64")
+    return found
 
 
 class FrameCells:
@@ -136,6 +169,56 @@ class FrameCells:
         raise TypeError("cells of a frame cannot be copied or pickled: copy their arrays")
 
 
+class CudaCells:
+    """The cells of one call of :class:`Frames` on a device of CUDA, in the order of the N points.
+
+    Arrays have the CUDA Array Interface and DLPack: tensors over votess's memory, without a copy, valid until the next call.
+    Those with an entry for each face are longer than the rows, which end at ``indptr[N]``.
+    """
+
+    status: Any  #: (N,) int32, values of :class:`CellStatus`
+    indptr: Any  #: (N + 1,) int32: row i of the lists is ``indices[indptr[i]:indptr[i+1]]``
+    indices: Any  #: int32: neighbors, ascending in each row, walls (negative) first
+    shifts: Any  #: (entries, 3) int8 numbers of box vectors, in periodic domains
+    face_areas: Any  #: float32, length unit squared
+    volumes: Any  #: (N,) float32, with a relative error of at most 1e-5; 0 without a cell
+    centroids: Any  #: (N, 3), in the type of the points, of the cells around these as given; or NaN
+
+    def __init__(self, frames: Frames, number: int, count: int, stream: int) -> None:
+        self._frames, self._number, self._count, self._stream = frames, number, count, stream
+        export, entries, real = frames._export, frames._export.max_entries, frames._dtype.str
+        size = frames._dtype.itemsize
+        arrays = {
+            "status": ((count,), (4,), "<i4"), "indptr": ((count + 1,), (4,), "<i4"), "indices": ((entries,), (4,), "<i4"),
+            "shifts": ((entries, 3), (4, 1), "|i1"), "face_areas": ((entries,), (4,), "<f4"), "volumes": ((count,), (4,), "<f4"),
+            "centroids": ((count, 3), (3 * size, size), real),
+        }  # fmt: skip
+        for name, (shape, strides, dtype) in arrays.items():
+            place = getattr(export, name)
+            if place != _NONE:
+                self.__dict__[name] = frames._array(place, shape, strides, dtype, (2 * number, stream))
+
+    if not TYPE_CHECKING:  # a type checker would accept any name
+
+        def __getattr__(self, name: str) -> Any:
+            raise no_attribute(self, name, self._frames._wanted if "_frames" in self.__dict__ else None)
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __repr__(self) -> str:
+        arrays = [name for name in self.__dict__ if not name.startswith("_")]
+        return f"<pyvotess.gpu.CudaCells of {len(self)} points: {', '.join(arrays)}>"
+
+    def resolve(self) -> CudaCells:
+        """Waits for the cells, makes those that the device left on the CPU, and writes all arrays again.
+
+        Returns this object. ValueError after another call of the same :class:`Frames`.
+        """
+        self._frames._resolve_on_cuda(self._number, self._stream)
+        return self
+
+
 class Frames:
     """Makes cells of up to ``max_points`` points on a Vulkan device, call after call. A context manager.
 
@@ -152,7 +235,9 @@ class Frames:
     weights : (least, largest) of all calls, for power diagrams. Each call then takes weights. A point whose weight is
         beyond them has no cell, so choose them as narrow as possible.
     list_walls, threads, k_init, chunk_size : as for :func:`tessellate`.
-    device : "auto": a GPU, or a software device where there is none; "gpu", "lavapipe" or an index of :func:`devices`.
+    device : "auto": a GPU, or a software device where there is none; "gpu", "lavapipe" or an index of :func:`devices`. Points
+        and cells are then in the host's memory. "cuda" or "cuda:1": tensors on that GPU; calls return :class:`CudaCells`.
+    dtype : of points and weights on a device of CUDA: float32 or float64.
     max_entries : of all rows together; 0: 20 a point. Cells whose rows do not fit stay unresolved.
     margin, max_images : width of the layer of images around a periodic box, and how many it may hold; 0: as suits uniform
         points. Cells that reach farther stay unresolved.
@@ -184,6 +269,7 @@ class Frames:
         margin: float = 0.0,
         max_images: int = 0,
         share: Optional[Frames] = None,
+        dtype: npt.DTypeLike = "float32",
         **keywords: Unpack[DomainKeywords],
     ) -> None:
         frames = _Options(
@@ -201,6 +287,16 @@ class Frames:
         if share is not None and not isinstance(share, Frames):
             raise TypeError(f"share is {shown(share)}: give other Frames")
         where = as_domain(domain, keywords)
+        self._importer: Any = None
+        self._dtype = _as_dtype(dtype)
+        on_cuda = isinstance(device, str) and device.startswith("cuda")
+        if on_cuda:
+            from . import _cuda
+
+            driver, ordinal = _cuda.Driver(), _cuda.as_ordinal(device)
+            frames.exported = self._dtype.itemsize
+            frames.device_uuid[:] = driver.uuid(ordinal)
+            device = "auto"
         options = new_options(
             want=want, list_walls=list_walls, device=device, threads=threads, k_init=k_init, chunk_size=chunk_size
         )
@@ -214,6 +310,11 @@ class Frames:
         del kept
         text = ctypes.create_string_buffer(512)
         raise_on_failure(lib.votess_frames_device(self._handle.pointer, text, len(text)))
+        self._max_points, self._has_weights = frames.max_points, weights is not None
+        if on_cuda:
+            self._export = _Export(struct_size=ctypes.sizeof(_Export))
+            raise_on_failure(lib.votess_frames_get_export(self._handle.pointer, ctypes.byref(self._export)))
+            self._importer = _cuda.Importer(driver, ordinal, self._export, text.value.decode().split(":")[0], self._handle)
         self._text = f"up to {frames.max_points} points in a {where._text()} on {text.value.decode('utf-8', 'replace')}"
 
     def _open(self) -> Any:
@@ -222,11 +323,19 @@ class Frames:
             raise ValueError("these Frames are closed")
         return self._handle.pointer
 
-    def __call__(self, points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None) -> FrameCells:
-        """Returns the cells of (N, 3) points, float64 or float32: arrays of NumPy, or objects with DLPack on the CPU.
+    def __call__(self, points: Any, weights: Any = None, *, stream: Any = None) -> Any:
+        """Returns the :class:`FrameCells` of (N, 3) points, float64 or float32: arrays of NumPy, or objects with DLPack on the CPU.
+
+        Frames on a device of CUDA take tensors there, and return :class:`CudaCells`. They wait for nothing on the host.
 
         weights : (N,) length unit squared, for frames with a range of weights.
+        stream : of CUDA, as a handle or an object of PyTorch or CuPy. It has written the points, and it reads the cells.
+            Default: that of the CUDA Array Interface of the points, or the default stream.
         """
+        if self._importer is not None:
+            return self._call_on_cuda(points, weights, stream)
+        if stream is not None:
+            raise ValueError("stream is of CUDA, but these Frames are not on 'cuda': leave it out")
         array = as_points(points)
         masses = None if weights is None else as_one_each(weights, "weights", len(array), "points")
         function = lib.votess_frames_run_f32 if array.dtype == np.float32 else lib.votess_frames_run
@@ -242,9 +351,57 @@ class Frames:
                 raise ValueError("resolve() completes the last call of these Frames: call it before the next one")
             return Handle.made("frame_cells", lib.votess_frames_resolve, self._open())
 
-    def close(self) -> None:
-        """Frees device and buffers. Cells stay. Further calls do nothing."""
+    def _call_on_cuda(self, points: Any, weights: Any, stream: Any) -> CudaCells:
+        from . import _cuda
+
+        given = _cuda.CudaInput(points, "points", (None, 3), self._dtype)
+        count = given.shape[0]
+        inputs = [("points", given, self._export.points)]
+        if (weights is not None) != self._has_weights:
+            raise ValueError(
+                "weights are missing: give one for each point" if self._has_weights
+                else "weights are given, but these Frames have none: make Frames with a range of weights"
+            )  # fmt: skip
+        if weights is not None:
+            inputs.append(("weights", _cuda.CudaInput(weights, "weights", (count,), self._dtype), self._export.weights))
+        if count > self._max_points:
+            raise ValueError(f"{count} points are more than max_points = {self._max_points}: make Frames for more")
+        order = _cuda.as_stream(given.stream or 0 if stream is None else stream)
         with alone(self._lock, "object of Frames"):
+            pointer, importer = self._open(), self._importer
+            for name, array, place in inputs:
+                if count:
+                    importer.check(name, array.address, order)
+            for _, array, place in inputs:
+                if count:
+                    size = int(np.prod(array.shape)) * self._dtype.itemsize
+                    importer.copy(place, array.address, size, order)
+            self._calls += 1
+            # The values of a call: points are there, cells are there.
+            before, after = 2 * self._calls - 1, 2 * self._calls
+            importer.signal(before, order)
+            raise_on_failure(watched(lib.votess_frames_submit, pointer, count, before, after))
+            importer.wait(after, order)
+            return CudaCells(self, self._calls, count, order)
+
+    def _array(self, place: int, shape: Any, strides: Any, dtype: str, ready: Any) -> Any:
+        from . import _cuda
+
+        return _cuda.CudaArray(self._importer, place, shape, strides, dtype, ready)
+
+    def _resolve_on_cuda(self, number: int, stream: int) -> None:
+        with alone(self._lock, "object of Frames"):
+            if number != self._calls:
+                raise ValueError("resolve() completes the last call of these Frames: call it before the next one")
+            pointer = self._open()
+            self._importer.synchronize(stream)
+            raise_on_failure(watched(lib.votess_frames_resolve_exported, pointer, None))
+
+    def close(self) -> None:
+        """Frees device and buffers. Arrays on the host stay, those on a device of CUDA do not. Further calls do nothing."""
+        with alone(self._lock, "object of Frames"):
+            if self._importer is not None:
+                self._importer.close()
             self._handle.free()
 
     def __repr__(self) -> str:

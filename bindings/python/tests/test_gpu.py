@@ -168,6 +168,7 @@ class OnDevice(unittest.TestCase):
         for call, words in (
             (lambda: frames(uniform(11)), "11 points are more than max_points = 10"),
             (lambda: frames(uniform(10), np.ones(10)), "weights are given"),
+            (lambda: frames(uniform(10), stream=0), "stream is of CUDA"),
             (lambda: frames(uniform(10), np.ones(9)), r"weights has shape \(9,\)"),
             (lambda: frames(np.ones((3, 2))), r"\(N, 3\)"),
             (lambda: self.frames(10, box=UNIT_BOX, weights=(2, 1)), "weights from 2 to 1 are no range"),

@@ -48,6 +48,7 @@ private:
 // Makes plans on devices of votess.
 struct PlanAccess {
     [[nodiscard]] static Plan plan(std::shared_ptr<gpu::vulkan::Device> device, const PlanOptions& options);
+    [[nodiscard]] static const gpu::Passes& passes(const Plan& plan) { return *plan.state_->passes; }
 };
 
 // Returns whether a cell waits for resolve(). status: CellStatus.

@@ -711,6 +711,15 @@ static void check_frames(void) {
     CHECK_REFUSES(votess_frames_device(NULL, NULL, 0), "frames is NULL");
     CHECK_REFUSES(votess_frame_cells_array(NULL, "status", &last), "cells is NULL");
     CHECK(votess_frame_cells_unresolved(NULL) == 0);
+    options.outside = VOTESS_OUTSIDE_DROP;
+    frames.exported = 5;
+    CHECK_REFUSES(votess_frames_new(&frames, &options, NULL, &made), "frames.exported = 5");
+    votess_frames_export arrays = {0};
+    CHECK_REFUSES(votess_frames_get_export(NULL, &arrays), "frames is NULL");
+    CHECK_REFUSES(votess_frames_submit(NULL, 1, 1, 2), "frames is NULL");
+    CHECK_REFUSES(votess_frames_signal(NULL, 1), "frames is NULL");
+    CHECK_REFUSES(votess_frames_wait(NULL, 1), "frames is NULL");
+    CHECK_REFUSES(votess_frames_resolve_exported(NULL, NULL), "frames is NULL");
     votess_frames_free(NULL);
     votess_frame_cells_free(NULL);
 }
