@@ -168,8 +168,8 @@ private:
         const auto height = [](const Vector& x) { return x[2]; };
         const double middle = (std::ranges::min(corners, {}, height)[2] + std::ranges::max(corners, {}, height)[2]) / 2;
         std::size_t first = 0;
-        while (first + 1 < corners.size() && !(corners[first][2] < middle &&
-                                               corners[(first + 1) % corners.size()][2] < middle))
+        while (first + 1 < corners.size() &&
+               !(corners[first][2] < middle && corners[(first + 1) % corners.size()][2] < middle))
             ++first;
         Vector a = corners[first], b = corners[(first + 1) % corners.size()];
         a[2] = b[2] = middle;

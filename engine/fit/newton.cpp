@@ -62,7 +62,7 @@ Weighted Newton::tessellate(Vector weights) {
     result.weights = std::move(weights);
     if (const auto& density = problem_.density)
         result.masses = fields::masses_in(result.tessellation, density->frame, density->values, *problem_.pool,
-                                           problem_.dimensions == 2, false);
+                                          problem_.dimensions == 2, false);
     measure(result);
     ++out_.tessellations;
     return result;

@@ -9,14 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._arguments import as_count
-from ._call import Handle, raise_on_failure, watched
+from ._call import Handle
 from ._input import as_density
 from ._library import lib
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-
-    from .tessellation import Tessellation
 
     Float64Array = npt.NDArray[np.float64]
 
@@ -46,13 +44,10 @@ class Masses:
         return float(self.second_moments.sum() + self.masses @ (ways**2).sum(axis=1))
 
 
-def masses_of(t: Tessellation, density: Any, threads: int = 0) -> Masses:
-    """Returns the masses of cells with faces."""
-    grid = as_density(density, 2 if t.planar else 3)
+def masses_of(cells: Handle, dimensions: int, density: Any, threads: int = 0) -> Masses:
+    """Returns the masses of cells with all their faces."""
+    grid = as_density(density, dimensions)
     shape = (ctypes.c_size_t * 3)(*(*grid.shape, 1)[:3])
-    whole = t if t.least_face == 0 else t._with_all_faces()
-    handle = Handle("masses")
-    arguments = (grid.ctypes.data, shape, as_count(threads, "threads", 32), ctypes.byref(handle.pointer))
-    raise_on_failure(watched(lib.votess_masses_new, whole._handle().pointer, *arguments))
-    names = ("masses", "centroids", "second_moments", "face_masses")
-    return Masses(*(handle.array(name) for name in names))
+    arguments = (cells.pointer, grid.ctypes.data, shape, as_count(threads, "threads", 32))
+    handle = Handle.made("masses", lib.votess_masses_new, *arguments)
+    return Masses(**handle.arrays("masses", "centroids", "second_moments", "face_masses"))

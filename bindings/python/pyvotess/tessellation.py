@@ -235,7 +235,8 @@ class Tessellation(SeedCells):
 
         if not self.in_mesh:
             self._check_wanted("faces")
-        return masses_of(self, density, threads)
+        whole = self if self.least_face == 0 else self._with_all_faces()
+        return masses_of(whole._handle(), 2 if self.planar else 3, density, threads)
 
     def shapes(self, open: Optional[str] = None) -> Shapes:
         """Returns sphericity, aspect ratio and axes of each cell. Needs "faces" in want, but not in a mesh.
