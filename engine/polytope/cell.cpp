@@ -24,8 +24,8 @@ constexpr int few_slots = 256;         // of a cell whose vertices are all compa
 constexpr int steps_at_first = 16;     // of a climb, before it starts again from the best of a sample
 constexpr std::int32_t no_plane = -1;  // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
-constexpr double term_error = 32 * unit;    // of a term of Cramer's rule: 17 u, and the sum
-constexpr double underflow = 0x1p-1060;     // above the rounding of terms of minors that underflow
+constexpr double term_error = 32 * unit;  // of a term of Cramer's rule: 17 u, and the sum
+constexpr double underflow = 0x1p-1060;   // above the rounding of terms of minors that underflow
 // Covers the rounding of squared lengths and distances, and the outward rounding of a box.
 constexpr double radius_slack = 1 + 32 * unit;
 // The largest relative error of a vertex.

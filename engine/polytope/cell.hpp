@@ -104,8 +104,8 @@ public:
     // their weight over the cell's.
     [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
     // Slower, and sharp even if the box is much nearer than the vertices, like the images along the short edge of a
-    // thin box, or seeds in a plane. After many calls it solves the vertices exactly. view: `more` is then the excess of
-    // rests.
+    // thin box, or seeds in a plane. After many calls it solves the vertices exactly. view: `more` is then the excess
+    // of rests.
     [[nodiscard]] bool may_cut(const Box& relative, double more, const LiftedView& view = {});
     // Whether planes() includes this bisector, with a face or without.
     [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;

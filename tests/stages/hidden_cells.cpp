@@ -103,7 +103,9 @@ TEST_SUITE("stages") {
             CAPTURE(count);
             // The cell beside the plane touches most others.
             for (const double length : {0x1p60, 0x1p160})
-                CHECK(search_all(points, [](std::size_t, const auto&) { return 0.0; }, length).mean < 200);
+                CHECK(search_all(
+                          points, [](std::size_t, const auto&) { return 0.0; }, length)
+                          .mean < 200);
         }
     }
 }
