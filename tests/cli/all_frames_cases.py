@@ -441,6 +441,9 @@ class FramesOfHdf5(CliTest):
         places[1] = np.nan
         write("a.h5")
         self.refuse("a.h5", "--frame", 1, says="point 0: x = nan")
+        edges[:, 2] = 0
+        write("a.h5")
+        self.refuse("a.h5", "--frame", 0, says=["a.h5: edge c of its domain is 0", "--periodic"])
 
     def test_one_line_of_a_damaged_frame(self):
         """HDF5's messages are turned off on all threads."""

@@ -426,4 +426,23 @@ TEST_SUITE("stages") {
             CHECK(test::rows_of(one) == test::rows_of(test::run(set, options)));
         }
     }
+
+    TEST_CASE("hard cells: a large sphere among small ones on a sphere, which are proven") {
+        for (const bool filled : {false, true}) {
+            test::PointSet set = test::on_sphere(test::by_size(600, 300), 33);
+            if (filled) {  // some of these are hidden in the large one
+                const test::PointSet inside = test::uniform(300, 34);
+                for (const double x : inside.points) set.points.push_back(x - 0.5);
+            }
+            std::vector<double> weights(set.points.size() / 3, 1e-4);
+            weights[0] = 0.25;
+            auto options = test::all_options(test::cube(-2, 2));
+            options.weights = weights;
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(t.stats().empty_cells > 0);
+            const auto report = votess::verify(t, set.points);
+            CHECK(report.failure == "");
+            CHECK(report.proven);
+        }
+    }
 }
