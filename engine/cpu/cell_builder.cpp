@@ -77,18 +77,6 @@ double least_power(const Hierarchy& hierarchy, const Lift& lift, int level, std:
     return power;
 }
 
-// Returns the first of the heaviest seeds in a power diagram.
-std::int32_t heaviest_of(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
-    const double weight = hierarchy.largest_weight(hierarchy.top_level(), 0);
-    std::size_t node = 0;
-    for (int level = hierarchy.top_level(); level-- > 0;)
-        for (node *= Hierarchy::fan; hierarchy.largest_weight(level, node) < weight; ++node) {
-        }
-    std::size_t seed = node * group_size;
-    while (seeds.weights[seed] < weight) ++seed;
-    return static_cast<std::int32_t>(seed);
-}
-
 }  // namespace
 
 CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
@@ -105,7 +93,9 @@ void CellBuilder::begin_job(const Domain& domain) {
     more_weight_ = 0;
     heaviest_ = -1;
     own_images_.clear();
-    if (domain.is_periodic() && !seeds_.weights.empty()) heaviest_ = heaviest_of(seeds_, hierarchy_);
+    // Not by the hierarchy: cells that are clipped from lists have none.
+    if (domain.is_periodic() && !seeds_.weights.empty())
+        heaviest_ = static_cast<std::int32_t>(std::ranges::max_element(seeds_.weights) - seeds_.weights.begin());
     group_ = ~std::size_t{0};
     reach_ = 0;
 }
