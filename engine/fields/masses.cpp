@@ -1,5 +1,5 @@
-// Integrals over a cell are integrals over its faces, by the divergence theorem: the antiderivative of the density along
-// the first axis of the grid, times the component of the normal along it. So only faces are cut by the grid. The
+// Integrals over a cell are integrals over its faces, by the divergence theorem: the antiderivative of the density
+// along the first axis of the grid, times the component of the normal along it. So only faces are cut by the grid. The
 // antiderivative begins anew in each row of grid cells along that axis, at the first one that the cell meets there. So
 // its terms are those of the cell, and black surroundings of a cell have no part in its sums.
 #include "fields/masses.hpp"
@@ -168,8 +168,8 @@ private:
         const auto height = [](const Vector& x) { return x[2]; };
         const double middle = (std::ranges::min(corners, {}, height)[2] + std::ranges::max(corners, {}, height)[2]) / 2;
         std::size_t first = 0;
-        while (first + 1 < corners.size() && !(corners[first][2] < middle &&
-                                               corners[(first + 1) % corners.size()][2] < middle))
+        while (first + 1 < corners.size() &&
+               !(corners[first][2] < middle && corners[(first + 1) % corners.size()][2] < middle))
             ++first;
         Vector a = corners[first], b = corners[(first + 1) % corners.size()];
         a[2] = b[2] = middle;

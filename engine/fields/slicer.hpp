@@ -31,8 +31,8 @@ class Slicer {
 public:
     explicit Slicer(const Frame& frame) : frame_(frame) {}
 
-    // Calls take(cell, part) with the part of the piece in each grid cell of the window. The piece is used up. The parts
-    // of all windows of a grid sum to it. A piece of one polygon is cut into polygons.
+    // Calls take(cell, part) with the part of the piece in each grid cell of the window. The piece is used up. The
+    // parts of all windows of a grid sum to it. A piece of one polygon is cut into polygons.
     template <class Take>
     void slice(ConvexPiece& piece, const Place& place, const Window& window, const Take& take) {
         Cell cell{};

@@ -189,8 +189,7 @@ Vector start_of(const Job& job, std::span<const std::int32_t> order) {
 }
 
 void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<Under> density,
-         std::span<const double> targets, const FitOptions& options, int dimensions, ThreadPool& pool,
-         VolumeFit& out) {
+         std::span<const double> targets, const FitOptions& options, int dimensions, ThreadPool& pool, VolumeFit& out) {
     std::vector<double> places(job.points.f64.begin(), job.points.f64.end());
     move_into_domain(job, places);
     const std::vector<std::int32_t> order = order_of(job, places, pool);
@@ -199,8 +198,8 @@ void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<
     problem.pool = &pool;
     Vector start = start_of(job, order);
     if (problem.density && job.domain->weights.empty())
-        if (const auto smooth = smooth_start(job, *problem.density, problem.places, problem.targets, problem.edges,
-                                             dimensions, pool))
+        if (const auto smooth =
+                smooth_start(job, *problem.density, problem.places, problem.targets, problem.edges, dimensions, pool))
             start = *smooth;
     Newton newton(std::move(problem), options, out);
     const bool converged = newton.run(std::move(start));
@@ -210,8 +209,9 @@ void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<
         out.weights[static_cast<std::size_t>(order[row])] = newton.now().weights[static_cast<Eigen::Index>(row)];
     if (converged) return;
     const std::string message = "fit_volumes: after " + std::to_string(out.steps) + " steps the largest error of a " +
-                                (options.density ? "mass" : "volume") + " is " + number(out.residual) + " of its target, more than the tolerance " +
-                                number(options.tolerance) + ": " + newton.why();
+                                (options.density ? "mass" : "volume") + " is " + number(out.residual) +
+                                " of its target, more than the tolerance " + number(options.tolerance) + ": " +
+                                newton.why();
     throw FitError(message, std::move(out.weights), out.residual, out.steps);
 }
 
@@ -250,8 +250,8 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
         std::optional<Under> density;
         if (options.density) {
             density = Under{fields::Frame(job, options.density->shape), std::move(values)};
-            const Masses of = fields::masses_in(whole_domain(job), density->frame, density->values, pool,
-                                                sheet.has_value(), false);
+            const Masses of =
+                fields::masses_in(whole_domain(job), density->frame, density->values, pool, sheet.has_value(), false);
             all = of.masses[0];
             if (!(all > 0)) refuse("the density is 0 in the whole domain: there is no mass to divide");
             density->mean = all / job.box_volume;

@@ -12,8 +12,8 @@ namespace votess::fit {
 using Edges = std::array<std::array<double, 3>, 3>;
 
 // Sets the matrix to the derivatives of volumes by weights: -area / (2 distance) for neighbors, and the diagonal that
-// makes each row sum to 0. tessellation: with neighbors; walls do not count. areas: of its faces, or their masses. places: 3N,
-// inside a periodic domain. edges: of the domain.
+// makes each row sum to 0. tessellation: with neighbors; walls do not count. areas: of its faces, or their masses.
+// places: 3N, inside a periodic domain. edges: of the domain.
 void set_laplacian(const Tessellation& tessellation, std::span<const double> areas, std::span<const double> places,
                    const Edges& edges, Matrix& matrix);
 

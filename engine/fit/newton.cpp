@@ -25,11 +25,11 @@ constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_fille
 // Tolerances of the linear solver: a share of the residual, within bounds. So convergence stays quadratic.
 constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
 
-// The lift at the start, if some cells have no mass then, or too many; the share of its target that a cell keeps when the
-// lift sinks.
+// The lift at the start, if some cells have no mass then, or too many; the share of its target that a cell keeps when
+// the lift sinks.
 constexpr double some_lift = 1e-3, full_lift = 1, kept_mass = 0.3;
-// The least lift of derivatives, times the residual: between bright places far apart the derivatives are 0, but mass has
-// to move from cells of one to those of another.
+// The least lift of derivatives, times the residual: between bright places far apart the derivatives are 0, but mass
+// has to move from cells of one to those of another.
 constexpr double least_lift = 0.01;
 
 // Infinite for an empty cell.
@@ -62,7 +62,7 @@ Weighted Newton::tessellate(Vector weights) {
     result.weights = std::move(weights);
     if (const auto& density = problem_.density)
         result.masses = fields::masses_in(result.tessellation, density->frame, density->values, *problem_.pool,
-                                           problem_.dimensions == 2, false);
+                                          problem_.dimensions == 2, false);
     measure(result);
     ++out_.tessellations;
     return result;

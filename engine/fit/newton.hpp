@@ -46,8 +46,8 @@ struct Weighted {
 // for the cube roots of volumes, in the plane for the square roots of areas. It aims at a goal between volumes and
 // targets, on a logarithmic scale. Cells that it leaves empty are revived in the cells around them.
 //
-// Under a density that is 0 in places, cells there have no mass, and no derivative. So a share of the mass, the lift, is
-// spread evenly over the domain. After each step it sinks as far as no cell loses most of its mass.
+// Under a density that is 0 in places, cells there have no mass, and no derivative. So a share of the mass, the lift,
+// is spread evenly over the domain. After each step it sinks as far as no cell loses most of its mass.
 class Newton {
 public:
     Newton(Problem problem, const FitOptions& options, VolumeFit& out);

@@ -8,15 +8,15 @@
 namespace votess::fit {
 
 struct Revival {
-    std::span<const double> places;  // 3N, inside a periodic domain
-    const Edges& edges;              // of the domain
-    const Vector& targets;           // N volumes
-    const Tessellation& before;      // the step; its neighbors are used
-    const Tessellation& after;       // with neighbors
-    const Vector& volumes;           // N, after
+    std::span<const double> places;     // 3N, inside a periodic domain
+    const Edges& edges;                 // of the domain
+    const Vector& targets;              // N volumes
+    const Tessellation& before;         // the step; its neighbors are used
+    const Tessellation& after;          // with neighbors
+    const Vector& volumes;              // N, after
     std::span<const double> centroids;  // 3N, after; in cells that are not small
-    const Vector& least;             // N volumes; a smaller cell is revived
-    int dimensions = 3;              // see Problem
+    const Vector& least;                // N volumes; a smaller cell is revived
+    int dimensions = 3;                 // see Problem
 };
 
 // Raises the weight of each small cell, at most until it touches the centroid of a cell near its neighbors before: then

@@ -20,11 +20,11 @@ using Shape = std::array<std::size_t, 3>;
 constexpr double nodes_per_seed_and_axis = 2;
 constexpr std::array<double, 2> min_nodes{64.0 * 64, 24.0 * 24 * 24}, max_nodes{256.0 * 256, 64.0 * 64 * 64};
 constexpr double max_along_axis = 512;
-constexpr double coarsest_steps = 16;    // along the longest axis
-constexpr double steps_of_blur = 2;      // of the grid, in the root of epsilon
+constexpr double coarsest_steps = 16;  // along the longest axis
+constexpr double steps_of_blur = 2;    // of the grid, in the root of epsilon
 constexpr int sweeps = 8, last_sweeps = 12;
-constexpr double nothing = -1e200;       // the logarithm of no mass
-constexpr double negligible = 36;        // as a difference of logarithms
+constexpr double nothing = -1e200;  // the logarithm of no mass
+constexpr double negligible = 36;   // as a difference of logarithms
 constexpr std::size_t lines_of_task = 16;
 
 struct Field {
@@ -182,12 +182,14 @@ private:
                 std::array<std::array<double, 2>, 3> share{{{1, 0}, {1, 0}, {1, 0}}};
                 for (std::size_t k = 0; k < dimensions_; ++k) {
                     const double x = (places_[3 * i + k] - nodes.lower[k]) / nodes.step[k] - 0.5;
-                    const auto n = static_cast<std::int64_t>(nodes.shape[k]), low = static_cast<std::int64_t>(std::floor(x));
+                    const auto n = static_cast<std::int64_t>(nodes.shape[k]),
+                               low = static_cast<std::int64_t>(std::floor(x));
                     share[k][1] = x - static_cast<double>(low);
                     share[k][0] = 1 - share[k][1];
                     for (std::int64_t side = 0; side < 2; ++side)
-                        at[k][static_cast<std::size_t>(side)] = static_cast<std::size_t>(
-                            period_[k] > 0 ? ((low + side) % n + n) % n : std::clamp<std::int64_t>(low + side, 0, n - 1));
+                        at[k][static_cast<std::size_t>(side)] =
+                            static_cast<std::size_t>(period_[k] > 0 ? ((low + side) % n + n) % n
+                                                                    : std::clamp<std::int64_t>(low + side, 0, n - 1));
                 }
                 for (std::size_t corner = 0; corner < 8; ++corner) {
                     const std::size_t a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
@@ -221,7 +223,8 @@ private:
     }
 
     // Sums along an axis: logarithms of sums of exponentials.
-    [[nodiscard]] Field along(const Field& from, std::size_t k, const Nodes& of, const Nodes& at, double epsilon) const {
+    [[nodiscard]] Field along(const Field& from, std::size_t k, const Nodes& of, const Nodes& at,
+                              double epsilon) const {
         const std::size_t n = of.shape[k], m = at.shape[k];
         std::vector<double> kernel(m * n);
         for (std::size_t i = 0; i < m; ++i)
@@ -275,7 +278,8 @@ private:
                     if (k >= dimensions_) continue;
                     const double x =
                         (places_[3 * i + k] - nodes.lower[k]) / nodes.step[k] - 0.5 - static_cast<double>(nodes.first);
-                    const double low = std::clamp(std::floor(x), 1.0, static_cast<double>(nodes.shape[k]) - 3), t = x - low;
+                    const double low = std::clamp(std::floor(x), 1.0, static_cast<double>(nodes.shape[k]) - 3),
+                                 t = x - low;
                     first[k] = static_cast<std::size_t>(low) - 1;
                     share[k] = {(1 - t) * (1 - t) * (1 - t) / 6, (3 * t * t * t - 6 * t * t + 4) / 6,
                                 (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6};

@@ -72,8 +72,8 @@ private:
 // count, and their weights are 0. In a periodic domain each kept point must have a cell without weights.
 // In a mesh the volumes are those in it. Each cell must have a part of it without weights.
 // Throws invalid_argument for equal points, points outside by default, and targets that are not positive, not one for
-// each point or do not sum to the volume of the domain, or to its mass (to 1e-9); FitError when the steps end; and the errors of
-// tessellate().
+// each point or do not sum to the volume of the domain, or to its mass (to 1e-9); FitError when the steps end; and the
+// errors of tessellate().
 [[nodiscard]] VOTESS_API VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets,
                                                const Options& options = {}, const FitOptions& fit = {});
 

@@ -329,8 +329,8 @@ typedef struct votess_fit_options {
     uint32_t struct_size;  // set by votess_fit_options_init
     uint32_t max_steps;
     double tolerance;
-    int32_t normalize;  // nonzero: true
-    int32_t reserved;   // 0
+    int32_t normalize;        // nonzero: true
+    int32_t reserved;         // 0
     const double* density;    // the values of Density in density.hpp, in its order; NULL: none
     size_t density_shape[3];  // nx, ny, nz
 } votess_fit_options;
@@ -392,7 +392,8 @@ VOTESS_API votess_status votess_groups_array(const votess_groups* groups, const 
 VOTESS_API votess_status votess_masses_new(const votess_result* result, const double* density, const size_t shape[3],
                                            uint32_t threads, votess_masses** out);
 VOTESS_API void votess_masses_free(votess_masses* masses);
-// The arrays of Masses in density.hpp: masses (N), centroids (N, d), second_moments (N), face_masses (indptr[N]), double.
+// The arrays of Masses in density.hpp: masses (N), centroids (N, d), second_moments (N), face_masses (indptr[N]),
+// double.
 VOTESS_API votess_status votess_masses_array(const votess_masses* masses, const char* name, votess_array* array);
 
 // The network of vertices and edges, see network() in network.hpp. points: 3 * count coordinates of the result's

@@ -16,8 +16,6 @@ from ._library import lib
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .tessellation import Tessellation
-
     Float64Array = npt.NDArray[np.float64]
 
 
@@ -46,13 +44,12 @@ class Masses:
         return float(self.second_moments.sum() + self.masses @ (ways**2).sum(axis=1))
 
 
-def masses_of(t: Tessellation, density: Any, threads: int = 0) -> Masses:
-    """Returns the masses of cells with faces."""
-    grid = as_density(density, 2 if t.planar else 3)
+def masses_of(cells: Handle, dimensions: int, density: Any, threads: int) -> Masses:
+    """Returns the masses of the cells of a result with faces."""
+    grid = as_density(density, dimensions)
     shape = (ctypes.c_size_t * 3)(*(*grid.shape, 1)[:3])
-    whole = t if t.least_face == 0 else t._with_all_faces()
     handle = Handle("masses")
     arguments = (grid.ctypes.data, shape, as_count(threads, "threads", 32), ctypes.byref(handle.pointer))
-    raise_on_failure(watched(lib.votess_masses_new, whole._handle().pointer, *arguments))
+    raise_on_failure(watched(lib.votess_masses_new, cells.pointer, *arguments))
     names = ("masses", "centroids", "second_moments", "face_masses")
     return Masses(*(handle.array(name) for name in names))
