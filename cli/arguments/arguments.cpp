@@ -424,11 +424,11 @@ void check_mesh(const Arguments& arguments) {
         if (is_mesh_output(path) && !is_pieces_output(path))
             throw bad_input("output " + in_quotes(path) +
                             " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl or .3mf");
-    if (!arguments.options.planar) return;
-    if (arguments.picture)
+    const bool flat = arguments.options.planar;
+    if (flat && arguments.picture)
         throw bad_input("--image does not draw cells in polygons: leave out --mesh, or write .geojson");
     for (const std::string& path : arguments.outputs)
-        if (is_mesh_output(path))
+        if (flat && is_mesh_output(path))
             throw bad_input("output " + in_quotes(path) + " holds no polygons with holes: write pieces as .geojson");
     for (const Option* option : arguments.given)
         if (const std::string name = long_name(*option);

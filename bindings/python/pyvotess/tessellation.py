@@ -20,6 +20,7 @@ from ._state import SeedCells, differing_array, read_result
 from .alpha import AlphaComplex, make_alpha
 from .derivatives import make_derivatives
 from .groups import Groups, read_groups
+from .masses import Masses, masses_of
 from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
 from .pairs import Pairs, make_pairs
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from .export.image import Image
     from .fields.shapes import Shapes
     from .export.viewer import View
-    from .masses import Masses
 
 
 class Tessellation(SeedCells):
@@ -231,8 +231,6 @@ class Tessellation(SeedCells):
         >>> t.masses(np.arange(8).reshape(2, 2, 2)).masses.sum().round(6)
         3.5
         """
-        from .masses import masses_of
-
         if not self.in_mesh:
             self._check_wanted("faces")
         whole = self if self.least_face == 0 else self._with_all_faces()
