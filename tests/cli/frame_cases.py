@@ -68,7 +68,7 @@ class FrameFiles(ReaderTest):
             report = self.json("a.xyz", "--verify")
             self.assertIsNone(report["box_volume"])
             self.assertEqual(report["domain"]["periodic"], [flag == "T" for flag in pbc.split()])
-            self.refuse("a.xyz", "--periodic", says=f"--cell: {edge} is 0, but the cell repeats along it")
+            self.refuse("a.xyz", "--periodic", says=f"a.xyz: edge {edge} of its domain is 0, but the domain repeats along it")
             self.assertEqual(self.json("a.xyz", "--box", "0,0,0,1,1,1")["box_volume"], 1)
         self.put("a.xyz", f'6\nLattice="0 0 0 0 0 0 0 0 0" pbc="F F F"\n{rows}')
         self.assertEqual(self.json("a.xyz")["domain"]["from"], "default")
