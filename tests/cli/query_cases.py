@@ -252,7 +252,7 @@ class Interpolate(CliTest):
                                 ([*asked, "--values", "a"], "-o FILE.npy"),
                                 ([*asked, "--values", "a", "-o", "a.npz"], "not 'a.npz'"),
                                 ([*asked, "--values", "c", "-o", "a.npy"], "c"),
-                                ([*asked, "--values", "a,", "-o", "a.npy"], "--values is empty"),
+                                ([*asked, "--values", "a,", "-o", "a.npy"], "--values 'a,' holds an empty name"),
                                 ([*asked, "--values", "a", "--natural", "linear", "-o", "a.npy"], "sibson or laplace"),
                                 ([*asked, "--values", "a", "--want", "faces", "-o", "a.npy"], "--want is for cells"),
                                 ([*asked, "--values", "a", "--locate", "q.txt", "-o", "a.npy"], "not several"),

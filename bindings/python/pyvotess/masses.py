@@ -10,7 +10,7 @@ import numpy as np
 
 from ._arguments import as_count
 from ._call import Handle
-from ._input import as_density
+from ._input import as_density, as_float64_or_float32
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -38,9 +38,20 @@ class Masses:
     def __repr__(self) -> str:
         return f"<pyvotess.Masses of {len(self)} cells: {self.masses.sum():.6g}>"
 
-    def cost(self, places: Float64Array) -> float:
-        """Returns the density times the squared distance from places, one for each cell, integrated over the cells."""
-        ways = np.nan_to_num(self.centroids - places)
+    def cost(self, places: npt.ArrayLike) -> float:
+        """Returns the density times the squared distance from places, one for each cell, integrated over the cells.
+
+        places : (N, 3), in the plane (N, 2). In a periodic domain they lie in the cells: ``t.wrapped_points``.
+
+        >>> t.masses(np.ones((1, 1, 1))).cost(points) == vt.transport_cost(t, np.ones((1, 1, 1)))
+        True
+        """
+        given = as_float64_or_float32(places, "places")
+        if given.shape != self.centroids.shape:
+            raise ValueError(f"places have shape {given.shape}: it must be {self.centroids.shape}")
+        if not np.isfinite(given).all():
+            raise ValueError("places hold numbers that are not finite")
+        ways = np.nan_to_num(self.centroids - given)
         return float(self.second_moments.sum() + self.masses @ (ways**2).sum(axis=1))
 
 

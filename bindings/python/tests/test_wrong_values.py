@@ -63,7 +63,7 @@ RIGHT = {
     "lengths": {"None", "inf", *_LENGTH}, "edge_threshold": {"inf", *_LENGTH}, "min_edge": _LENGTH, "slice": {"None"}, "ax": {"None"},
     "threshold": {"-1", "-0.5", "inf", "-inf", *_LENGTH}, "values": {"nan each", "nan points"}, "gradients": {"None", "nan points"},
     "volumes": {"None", "nan each"}, "centroids": {"None", "nan points"}, "areas": {"None"}, "columns": {"None", "{}"},
-    "n": {"1", "3"}, "sharp": {"1", "3", "0.5", "0-d"},
+    "width": {"None", "1", "3", "2**32 + 1", "2**70", "0.5", "0-d"}, "n": {"1", "3"}, "sharp": {"1", "3", "0.5", "0-d"},
     "color": {"None", "x", "nan each"}, "open": {"None"},
 }  # fmt: skip
 #: Other words of messages for a parameter.
@@ -83,6 +83,7 @@ LEFT_OUT = {
     "Frame.with_columns": "write_frames() checks them",
     "Frame.tessellate": "its arguments are those of tessellate()",
     "StreamRows.neighbors": "an index, as of a list",
+    "Pieces.rings": "an index, as of a list",
     "devices": "no parameters",
     "Probes.voronoi_indices": "that of Tessellation",
     "read_frames": "the program clvotess checks its file",
@@ -187,6 +188,9 @@ def calls():
         "Tessellation.view": (t.view, {}),
         "Tessellation.verify": (t.verify, {}),
         "Pieces.save": (in_mesh.pieces().save, {"path": "p.obj"}),
+        "Pieces.image": (in_mesh.pieces().image, {"size": (64, 64)}),
+        "Network.image": (periodic.network().image, {"size": (64, 64)}),
+        "Masses.cost": (t.masses(np.ones((2, 2, 2))).cost, {"places": POINTS}),
         "Network.largest_free": (periodic.network().largest_free, {}),
         "Zones.merge": (t.watershed(EACH).merge, {"threshold": 0.1}),
     }
