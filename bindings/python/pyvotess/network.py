@@ -16,6 +16,8 @@ from ._library import lib
 from .pairs import edges_of
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from ._state import SeedCells
     from ._types import BoolArray, Float64Array, Int8Array, Int32Array
     from .export.image import Image

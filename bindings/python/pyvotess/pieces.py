@@ -82,7 +82,7 @@ class Pieces:
     @property
     def planar(self) -> bool:
         """Whether the pieces are polygons of the plane."""
-        return self.vertices.shape[1] == 2
+        return bool(self.vertices.shape[1] == 2)
 
     def rings(self, index: int) -> List[Float64Array]:
         """Returns the rings of a piece of the plane: (n, 2) places each, the outline counterclockwise, holes clockwise.

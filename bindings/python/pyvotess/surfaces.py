@@ -76,7 +76,7 @@ class SurfaceCells:
     def perimeters(self) -> Float64Array:
         """(N,) length of the boundary of each part, as a new array."""
         rows = np.repeat(np.arange(len(self)), np.diff(self.indptr))
-        shared: Float64Array = np.bincount(rows, self.lengths, minlength=len(self))
+        shared: Float64Array = np.bincount(rows, self.lengths, minlength=len(self)).astype(np.float64)
         return shared + self.borders
 
 
@@ -318,7 +318,9 @@ class _Features:
         a, b = cells.vertices[cells.corners[on]], cells.vertices[cells.corners[after[on]]]
         length = np.linalg.norm(b - a, axis=1) / self.counts[edge[on]]
         total = np.bincount(seed, length, minlength=len(cells))
-        middle = np.stack([np.bincount(seed, length * m, minlength=len(cells)) for m in ((a + b) / 2).T], axis=1)
+        middle: Float64Array = np.stack(
+            [np.bincount(seed, length * m, minlength=len(cells)).astype(np.float64) for m in ((a + b) / 2).T], axis=1
+        )
         takes = total > _LEAST_SHARE * np.sqrt(cells.areas)
         middle[takes] /= total[takes, None]
         way = b - a

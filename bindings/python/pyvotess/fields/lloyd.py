@@ -165,6 +165,7 @@ def lloyd(
     if density is not None and not callable(density) and where.surface is not None:
         raise ValueError("a density on a grid is not supported in a mesh: give a function, or a box and a density of 0 outside")
 
+    grid = None if callable(density) else density
     want = _WANT if where.surface is not None else "faces," + _WANT
     weights: Optional[Float64Array] = None
     energies: List[float] = []
@@ -176,7 +177,7 @@ def lloyd(
                 t = kept.tessellate(array, where, want=want, progress=part)
             else:
                 fit = fit_volumes(
-                    array, volumes, where, weights=weights, normalize=normalize, density=density, want=want, device=device,
+                    array, volumes, where, weights=weights, normalize=normalize, density=grid, want=want, device=device,
                     threads=threads, precision="double", progress=part,
                 )  # fmt: skip
                 t, weights = fit.tessellation, fit.weights

@@ -14,6 +14,8 @@ from ..pairs import edges_of
 from .simplices import simplices
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from .._types import BoolArray, Float64Array
     from ..tessellation import Tessellation
 
