@@ -104,6 +104,8 @@ private:
 }  // namespace
 
 Surface parse_geojson(std::string_view text, const std::string& name) {
+    constexpr std::string_view mark = "\xEF\xBB\xBF";  // of UTF-8, which some editors write
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
     GeojsonReader reader(name);
     reader.add(Json::read(text, name));
     return reader.finish();

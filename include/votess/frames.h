@@ -47,8 +47,9 @@ VOTESS_API void votess_frames_free(votess_frames* frames);  // NULL does nothing
 VOTESS_API votess_status votess_frames_device(const votess_frames* frames, char* text, size_t size);
 
 // Makes the cells of `count` points, 3 * count coordinates. weights: count, or NULL without has_weights. A point
-// outside the domain or not finite has the status VOTESS_CELL_OUTSIDE and no cell. The device proves each cell that it
-// returns; the others have no row and a status that says why.
+// outside the domain or not finite has the status VOTESS_CELL_OUTSIDE and no cell. In a periodic domain points up to
+// one side outside are wrapped into it, and farther ones count as outside. The device proves each cell that it returns;
+// the others have no row and a status that says why.
 VOTESS_API votess_status votess_frames_run(votess_frames* frames, const double* points, const double* weights,
                                            size_t count, votess_frame_cells** out);
 VOTESS_API votess_status votess_frames_run_f32(votess_frames* frames, const float* points, const double* weights,

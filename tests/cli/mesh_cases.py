@@ -268,6 +268,8 @@ class GeojsonFiles(ReaderTest):
             {"type": "Feature", "geometry": {"type": "MultiPolygon", "coordinates": [[[[5, 0, 9], [6, 0, 9], [6, 1, 9]]]]}}]}
         self.assertAlmostEqual(self.volumes(other).sum(), 8.25, delta=1e-12)
         self.assertEqual(len(shape), 100)
+        self.put("marked.json", "\ufeff" + json.dumps(self.CITY))
+        self.assertEqual(self.json("--random", 9, "--mesh", "marked.json")["box_volume"], 7.75)
 
     def test_refusals(self):
         self.put("a.geojson", json.dumps(self.CITY))

@@ -260,6 +260,8 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
     if isinstance(mesh, Mapping):
         return _mesh_of_polygons(mesh)
     kind = type(mesh).__name__
+    if isinstance(mesh, (list, tuple)) and any(isinstance(part, Mapping) or hasattr(part, "__geo_interface__") for part in mesh):
+        raise ValueError(f"mesh is a {kind} of polygons: give a MultiPolygon or a GeometryCollection")
     if hasattr(mesh, "is_all_triangles") and hasattr(mesh, "points"):  # PyVista; regular_faces raises for mixed faces
         if not mesh.is_all_triangles:
             raise ValueError("mesh has faces that are not triangles: give mesh.triangulate()")

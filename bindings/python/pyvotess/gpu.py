@@ -159,7 +159,7 @@ class FrameCells:
     def resolve(self) -> FrameCells:
         """Makes the unresolved cells on the CPU, exactly, and returns this object. The arrays are new ones.
 
-        ValueError after another call of the same :class:`Frames`, and after its ``close()``.
+        Where cells are left: ValueError after another call of the same :class:`Frames`, and after its ``close()``.
         """
         if self._unresolved:
             self._take(self._frames._resolve(self._number))
@@ -230,7 +230,8 @@ class Frames:
     ----------
     max_points : of a call, at most 2**27.
     domain, box, periodic, cell, origin, walls : as for :func:`tessellate`: a finite box or a cell, which all calls share.
-        Points outside, or not finite, have the status ``OUTSIDE`` and no cell.
+        Points outside, or not finite, have the status ``OUTSIDE`` and no cell. In a periodic domain points up to one side
+        outside are wrapped into it; farther ones count as outside, unlike for :func:`tessellate`.
     want : some of "neighbors", "volumes", "centroids", "areas".
     weights : (least, largest) of all calls, for power diagrams. Each call then takes weights. A point whose weight is
         beyond them has no cell, so choose them as narrow as possible.

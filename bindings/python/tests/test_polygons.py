@@ -234,6 +234,10 @@ class Polygons(unittest.TestCase):
             self.assertEqual(json.loads(file.read_text()), json.loads(json.dumps(pieces.__geo_interface__)))
             with self.assertRaisesRegex(ValueError, "known for pieces of the plane are .geojson"):
                 pieces.save(Path(folder, "cells.obj"))
+            with self.assertRaisesRegex(ValueError, r"save t.pieces\(\)"):
+                t.save(file)
+            with self.assertRaisesRegex(ValueError, "a list of polygons: give a MultiPolygon"):
+                vt.tessellate(points, mesh=[CITY, CITY])
         self.assertEqual(pickle.loads(pickle.dumps(vt.Domain.mesh(CITY))), vt.Domain.mesh(CITY))
 
     def test_parts_that_meet_in_one_place_are_two_pieces(self):

@@ -54,6 +54,8 @@ def _checked_kind(
 ) -> _Kind:
     """Returns the format. Raises before any work if it cannot hold the data."""
     kind = _KINDS.get(extension)
+    if kind is None and extension == ".geojson":
+        raise ValueError("a .geojson file holds the pieces of cells in polygons: save t.pieces()")
     if kind is None:
         raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}")
     if named_columns(columns) and not kind.columns:
