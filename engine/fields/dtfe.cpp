@@ -240,7 +240,7 @@ private:
 };
 
 // The values of seeds, each column times a power of two that brings its largest mass to order one.
-struct Masses {
+struct ScaledMasses {
     std::size_t columns;
     std::vector<double> values;   // (N, m)
     std::vector<int> exponents;   // by column
@@ -250,7 +250,7 @@ struct Masses {
 class Simplices final : public Carrier {
 public:
     Simplices(const Frame& frame, const Triangulation& triangulation, std::span<const Volume> around,
-              const Masses& masses, std::span<double> grid)
+              const ScaledMasses& masses, std::span<double> grid)
         : frame_(frame), triangulation_(triangulation), around_(around), masses_(masses), grid_(grid) {
         constexpr Vector o{}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
         whole_.add_polygon(std::array{o, y, x});
@@ -317,7 +317,7 @@ private:
     const Frame& frame_;
     const Triangulation& triangulation_;
     std::span<const Volume> around_;
-    const Masses& masses_;
+    const ScaledMasses& masses_;
     std::span<double> grid_;
     ConvexPiece whole_;
     std::vector<double> at_corners_;  // of the body loaded last: a row of m for each corner
@@ -339,9 +339,9 @@ std::vector<Volume> volumes_around(const Triangulation& triangulation, std::size
     return around;
 }
 
-Masses scaled_masses(const Task& task, std::span<const std::int32_t> duplicate_of) {
+ScaledMasses scaled_masses(const Task& task, std::span<const std::int32_t> duplicate_of) {
     const std::size_t m = task.columns, seeds = task.values.size() / m;
-    Masses masses{m, std::vector<double>(seeds * m, 0), std::vector<int>(m, 0), std::vector<bool>(m, true)};
+    ScaledMasses masses{m, std::vector<double>(seeds * m, 0), std::vector<int>(m, 0), std::vector<bool>(m, true)};
     for (std::size_t c = 0; c < m; ++c) {
         double largest = 0;
         for (std::size_t i = 0; i < seeds; ++i) {
@@ -368,7 +368,7 @@ Masses scaled_masses(const Task& task, std::span<const std::int32_t> duplicate_o
 }
 
 // Turns masses into densities. Masses below the rounding error may underflow. thickness: of a sheet, a power of two.
-void divide(const Task& task, const Masses& masses, double thickness) {
+void divide(const Task& task, const ScaledMasses& masses, double thickness) {
     constexpr double least = std::numeric_limits<double>::min(), rounding = 1e-14;
     Size size = task.frame.cell_size(task.projected);
     if (thickness > 0) size.exponent -= std::ilogb(thickness);
@@ -397,7 +397,7 @@ std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool) {
     const std::span<const std::int32_t> duplicate_of = built.tessellation.duplicate_of();
     const Triangulation triangulation(built, task.frame, pool);
     const std::vector<Volume> around = volumes_around(triangulation, built.tessellation.size());
-    const Masses masses = scaled_masses(task, duplicate_of);
+    const ScaledMasses masses = scaled_masses(task, duplicate_of);
     overlay(task.frame, pool, triangulation.size(),
             [&] { return std::make_unique<Simplices>(task.frame, triangulation, around, masses, task.grid); });
     divide(task, masses, built.thickness);
