@@ -70,6 +70,9 @@ std::string message(const auto& work) {
     return "nothing";
 }
 
+// Of seeds that need several blocks.
+const std::size_t some = test::by_size(3000, 1200);
+
 }  // namespace
 
 TEST_CASE("stream: seeds outside that are kept") {
@@ -115,7 +118,7 @@ TEST_CASE("stream: everything that can be wanted, and nothing") {
 
 TEST_CASE("stream: periodic along subsets of the axes") {
     for (const unsigned axes : {1u, 3u, 7u})
-        for (const PointSet& set : {test::uniform(3000, axes), test::clustered(3000, axes), test::cubic(14)}) {
+        for (const PointSet& set : {test::uniform(some, axes), test::clustered(some, axes), test::cubic(14)}) {
             if (test::reduced() && axes != 3 && set.name == "cubic") continue;
             votess::Options options = stream_options(set);
             options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
@@ -125,7 +128,7 @@ TEST_CASE("stream: periodic along subsets of the axes") {
 
 TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") {
     test::Random random(3);
-    for (const PointSet& set : {test::uniform(3000, 1), test::clustered(3000, 2)}) {
+    for (const PointSet& set : {test::uniform(some, 1), test::clustered(some, 2)}) {
         if (test::reduced() && set.name == "uniform") continue;
         votess::Options options = stream_options(set);
         options.box.reset();
@@ -157,7 +160,7 @@ TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") 
 
 TEST_CASE("stream: the plane") {
     test::Random random(5);
-    for (const PointSet& space : {test::uniform(3000, 1), test::clustered(3000, 2), test::cubic(14),
+    for (const PointSet& space : {test::uniform(some, 1), test::clustered(some, 2), test::cubic(14),
                                   test::with_duplicates(2500, 500, 6), test::nested_clusters(3000, 3)}) {
         if (test::reduced() && space.name != "clustered") continue;
         const PointSet set = test::in_plane(space);
@@ -191,7 +194,7 @@ TEST_CASE("stream: boxes without end") {
     constexpr double end = std::numeric_limits<double>::infinity();
     for (const bool planar : {false, true})
         for (const PointSet& space :
-             {test::uniform(3000, 1), test::clustered(3000, 2), test::cubic(14), test::on_sphere(200, 6),
+             {test::uniform(some, 1), test::clustered(some, 2), test::cubic(14), test::on_sphere(200, 6),
               test::on_axis_plane(300, 7), test::with_duplicates(2500, 500, 6), PointSet{"none", {}, test::unit_box()},
               PointSet{"one", {1, 2, 3}, test::unit_box()}}) {
             if (test::reduced() && space.name != "clustered" && space.name != "one") continue;

@@ -238,7 +238,7 @@ TEST_SUITE("stages") {
                 if (random.chance(0.3)) some.push_back(s);
             for (const Kernels* kernels : supported_kernels()) {
                 INFO(std::string(kernels->name));
-                for (std::size_t length = 1; length <= 50; length += test::by_size(1, 7)) {
+                for (std::size_t length = 1; length <= 50; length += test::by_size(1, 15)) {
                     CAPTURE(length);
                     check(sorted, cells, all, length, *kernels,
                           length % 2 == 0 ? Star::Keep::corners : Star::Keep::nothing);

@@ -334,7 +334,7 @@ TEST_SUITE("cases") {
         for (int domain = 0; domain < 3; ++domain)
             for (const std::size_t n : {1, 2, 5, 8})
                 for (const bool weighted : {false, true}) {
-                    if (test::reduced() && n > 5) continue;
+                    if (test::reduced() && (n > 5 || (n == 5 && weighted))) continue;
                     CAPTURE(domain);
                     CAPTURE(n);
                     CAPTURE(weighted);
@@ -422,9 +422,9 @@ TEST_SUITE("cases") {
         test::Random random(107);
         for (std::size_t i = 0; i < 24; ++i) in_plane.push_back(random.uniform(0, 1));
         const auto in_space = test::uniform(12, 108).points;
-        for (int kind = 0; kind < 10; ++kind) {
+        for (std::size_t kind = 0; kind < 10; kind += test::by_size(1, 3)) {
             CAPTURE(kind);
-            const int domain = kind % 5;
+            const std::size_t domain = kind % 5;
             const bool is_subset = kind >= 5;
             votess::Options options;
             options.device = "cpu";
@@ -679,7 +679,7 @@ TEST_SUITE("cases") {
         const std::vector<std::int32_t> triangles{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
         test::Random random(110);
         std::size_t tried = 0;
-        for (int domain = 0; domain < 9; ++domain) {
+        for (std::size_t domain = 0; domain < 9; domain += test::by_size(1, 2)) {
             CAPTURE(domain);
             votess::Options options;
             options.device = "cpu";
@@ -752,7 +752,7 @@ TEST_SUITE("cases") {
             change("cell_vertex_indices", t.cell_vertex_indices());
             CHECK(votess::verify(t, points).failure == "");
         }
-        CHECK(tried > 500);
+        CHECK(tried > test::by_size(500, 200));
     }
 
     TEST_CASE("verify proves hulls, whose corners are seeds with many walls") {

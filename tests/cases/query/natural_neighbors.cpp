@@ -360,7 +360,7 @@ TEST_SUITE("query") {
     TEST_CASE("natural neighbors: a query with a thousand neighbors") {
         Random random(25);
         Coordinates sphere, sheet;
-        while (sphere.size() < 3 * 1000) {
+        while (sphere.size() < 3 * test::by_size(1000, 300)) {
             const std::array<double, 3> x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
             const double length = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
             if (length > 0.1 && length < 1)
@@ -402,7 +402,7 @@ TEST_SUITE("query") {
                 share = 0;
             }
             CHECK(std::ranges::all_of(shares, [](double share) { return std::abs(share) < max_error; }));
-            CHECK(row.seeds.size() > (kind / 2 % 2 == 1 ? 100 : 500));
+            CHECK(row.seeds.size() > (kind / 2 % 2 == 1 ? test::by_size(100, 30) : test::by_size(500, 150)));
         }
     }
 
