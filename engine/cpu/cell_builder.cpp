@@ -15,17 +15,18 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t first_window = 160;       // seeds loaded around a group at once
-constexpr std::size_t max_window = 768;         // beyond this the far search is cheaper
-constexpr double far_vertex = 0x1p20;           // times the squared distance of a box
-constexpr std::size_t tests_of_owner = 64;      // of boxes; a seed that owns a place nearly is good enough
-constexpr std::size_t tests_of_unowned = 1024;  // while none is found
-constexpr int owners_of_hidden = 24;            // that clip a cell before it counts as not empty
-constexpr double first_band = 0.8;              // of the squared reach expected
-constexpr double smallest_band = 0.01;          // of the squared distance that the window covers
-constexpr double band_growth = 1.6;             // of the squared distance from band to band
-constexpr std::size_t max_idle = 24;            // seeds in a row that do not cut a cell that reaches far beyond them
-constexpr double far_beyond = 16;               // times the squared distance
+constexpr std::size_t first_window = 160;        // seeds loaded around a group at once
+constexpr std::size_t max_window = 768;          // beyond this the far search is cheaper
+constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
+constexpr double far_vertex = 0x1p20;            // times the squared distance of a box
+constexpr std::size_t tests_of_owner = 64;       // of boxes; a seed that owns a place nearly is good enough
+constexpr std::size_t tests_of_unowned = 1024;   // while none is found
+constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
+constexpr double first_band = 0.8;               // of the squared reach expected
+constexpr double smallest_band = 0.01;           // of the squared distance that the window covers
+constexpr double band_growth = 1.6;              // of the squared distance from band to band
+constexpr std::size_t max_idle = 24;             // seeds in a row that do not cut a cell that reaches far beyond them
+constexpr double far_beyond = 16;                // times the squared distance
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
@@ -616,6 +617,7 @@ void CellBuilder::clip_far_images() {
         poll_stop();
         const double more = more_weight_of(entry.at);
         if (!may_cut(entry.images, more)) continue;
+        if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more)) continue;
         const bool single = entry.at.shifts.is_single();
         if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.at.level == 0) {
