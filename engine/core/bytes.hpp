@@ -32,10 +32,7 @@ public:
     template <class T, std::size_t N>
     void append(std::span<const T, N> values) {
         const auto bytes = std::as_bytes(values);
-        if (bytes.empty()) return;
-        const std::size_t begin = bytes_.size();
-        bytes_.resize(begin + bytes.size());
-        std::memcpy(bytes_.data() + begin, bytes.data(), bytes.size());
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     }
     [[nodiscard]] Message take() { return std::move(bytes_); }
 

@@ -104,7 +104,7 @@ private:
     std::array<std::int32_t, max_neighbors> seeds_{};
     alignas(64) std::array<double, max_neighbors> nx_{}, ny_{}, nz_{}, h_{};
     std::array<Vector, max_neighbors> moment_{};
-    std::array<double, max_neighbors> volumes_{};  // 12 times those until finish()
+    std::array<double, max_neighbors + 1> volumes_{};  // 12 times those until finish(); none of the probe
     static constexpr std::size_t max_corners = 2 * max_neighbors;
     std::array<Vector, max_corners> corners_;
     std::size_t corner_count_ = 0;
