@@ -1,6 +1,6 @@
 // Integrals over a cell are integrals over its faces, by the divergence theorem: the antiderivative of the density
 // along the first axis of the grid, times the component of the normal along it. So only faces are cut by the grid. The
-// antiderivative begins anew in each row of grid cells along that axis, at the first one that the cell meets there. So
+// antiderivative begins again in each row of grid cells along that axis, at the first one that the cell meets there. So
 // its terms are those of the cell, and black surroundings of a cell have no part in its sums.
 #include "fields/masses.hpp"
 
@@ -40,7 +40,7 @@ Vector area_of(std::span<const Vector> corners) {
 using Products = std::array<double, 6>;
 constexpr std::array<std::array<std::size_t, 2>, 6> factors{{{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
 
-// Of the part of a cell's density on one side of faces: integrals of 1, x and products of coordinates.
+// Integrals of 1, x and products of coordinates over the part of a cell's density on one side of faces.
 struct Moments {
     double mass = 0;
     Vector first{};
@@ -54,7 +54,7 @@ struct Moments {
     }
 };
 
-// Of a part of a face: where it lies, and the integrals of the normal's first component times 1, y, z, yy, yz and zz.
+// Where a part of a face lies, and the integrals over it of the normal's first component times 1, y, z, yy, yz and zz.
 struct Part {
     Cell cell{};
     Products across{};
@@ -335,7 +335,7 @@ private:
     std::array<Vector, 3> edges_{};  // of a grid cell, in space
     Place place_;
     ConvexPiece piece_;  // a face
-    // Of the cell, in the grid, relative to its first corner.
+    // The cell in the grid, relative to its first corner.
     double volume_ = 0;
     Moments moments_;
     std::vector<Part> parts_;

@@ -37,7 +37,7 @@ public:
     // near: seeds around this one, the nearest first, without itself. Returns whether there is a part.
     bool clip(std::int32_t triangle, std::int32_t seed, std::span<const std::int32_t> near);
 
-    // Of the part: side i leads from corner i.
+    // Sides of the part: side i leads from corner i.
     [[nodiscard]] std::size_t size() const { return sides_.size(); }
     [[nodiscard]] Side side(std::size_t i) const { return sides_[i] < 0 ? sides_[i] : ids_[at(sides_[i])]; }
     // Returns where corner i lies: weights of the second and third vertex. For a corner on an edge of the triangle: the

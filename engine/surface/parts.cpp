@@ -115,7 +115,7 @@ public:
     }
 
 private:
-    // Of each triangle the part at its first vertex.
+    // The part of each triangle at its first vertex.
     [[nodiscard]] std::vector<Pair> first_pairs() {
         const auto& triangles = surface_.triangles();
         std::vector<std::int32_t> owner(surface_.vertices().size(), -1);

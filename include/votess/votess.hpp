@@ -94,7 +94,7 @@ struct Wall {
 // and parts inside each other, and may intersect itself. Vertices of a triangle are counterclockwise seen from outside.
 // Triangles may have no area.
 // With Options::planar it is a set of closed rings of edges, which have the domain on their left. So outlines are
-// counterclockwise, and holes clockwise.
+// counterclockwise, and holes clockwise. Vertices at equal places are then one without `merge`; a tolerance is refused.
 struct TriangleMesh {
     std::span<const double> vertices;         // 3V coordinates; in the plane 2V
     std::span<const std::int32_t> triangles;  // 3T indices of vertices; in the plane 2E, of edges

@@ -70,7 +70,7 @@ std::string message(const auto& work) {
     return "nothing";
 }
 
-// Of seeds that need several blocks.
+// The number of seeds of ordinary sets, which need several blocks.
 const std::size_t some = test::by_size(3000, 1200);
 
 }  // namespace

@@ -134,14 +134,13 @@ class Network(WithHandle):
         >>> t.network().image(size=(200, 150))
         <pyvotess image of 200 x 150 pixels>
         """
-        from .export.image import image_of_pieces, png_path
+        from .export.image import image_of_pieces
         from .export.tubes import tubes
 
         if self.points.shape[1] == 2:
             raise ValueError("image() works in three dimensions only: draw the edges with matplotlib")
         if not len(self.edges):
             raise ValueError("image(): the network has no edges to draw")
-        path = None if file is None else png_path(file, "file")
         radius = isinstance(color, str) and color == "radius"
         if isinstance(color, str) and not radius:
             raise ValueError(f"color is {color!r}: give 'radius', or a value for each of the {len(self.edges)} edges")
@@ -152,10 +151,7 @@ class Network(WithHandle):
         if not 0 < thick < np.inf:
             raise ValueError(f"width is {thick}: give a length above 0")
         look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
-        picture = image_of_pieces(tubes(begin, self.vectors, thick), values, "radius" if radius else "", **look)
-        if path is not None:
-            picture.save(path)
-        return picture
+        return image_of_pieces(tubes(begin, self.vectors, thick), values, "radius" if radius else "", file, **look)
 
     def to_networkx(self) -> Any:
         """Returns a networkx.MultiGraph. Vertices have ``x``, ``y``, in space ``z``, and ``radius``; edges ``radius``, ``length``, ``shift``.

@@ -165,21 +165,17 @@ class Pieces:
         >>> vt.tessellate(points, mesh=solid).pieces(gap=0.05).image(size=(200, 150))
         <pyvotess image of 200 x 150 pixels>
         """
-        from .export.image import image_of_pieces, png_path
+        from .export.image import image_of_pieces
 
         if self.planar:
             raise ValueError("image() works in three dimensions only: use plot(), or save the pieces as .geojson")
-        path = None if file is None else png_path(file, "file")
         values, label = (self.volumes, "volume") if isinstance(color, str) and color == "volume" else (color, "")
         if isinstance(values, str):
             raise ValueError(f"color is {values!r}: give 'volume', or a value for each of the {len(self)} pieces")
         numbers = as_one_each(values, "color", len(self), "pieces")
         names = ("vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids", "sources")
         look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
-        picture = image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, **look)
-        if path is not None:
-            picture.save(path)
-        return picture
+        return image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, file, **look)
 
     def view(self) -> View:
         """Returns a page that shows the pieces in a browser, where the reader turns, cuts and parts them.

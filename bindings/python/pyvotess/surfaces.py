@@ -140,7 +140,7 @@ def _as_triangles(triangles: Any) -> Int32Array:
         raise ValueError(f"triangles has shape {array.shape}: it must be (T, 3)")
     wrong = np.argwhere((array < -(2**31)) | (array >= 2**31))
     if len(wrong):
-        raise ValueError(f"triangles[{wrong[0][0]}] has {array[tuple(wrong[0])]}, which is no index of a vertex")
+        raise ValueError(f"triangles[{wrong[0][0]}] has {array[tuple(wrong[0])]}, which is not the index of a vertex")
     return np.ascontiguousarray(array, np.int32)
 
 

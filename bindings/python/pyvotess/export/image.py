@@ -165,8 +165,12 @@ def image(
     return Image(pixels, left_out.value)
 
 
-def image_of_pieces(arrays: Mapping[str, Any], values: npt.NDArray[np.float64], label: str, **look: Any) -> Image:
-    """Draws closed triangle meshes. ``arrays``: those of ``votess_piece_arrays``, of which each row is one piece."""
+def image_of_pieces(arrays: Mapping[str, Any], values: npt.NDArray[np.float64], label: str, file: Any, **look: Any) -> Image:
+    """Draws closed triangle meshes. ``arrays``: those of ``votess_piece_arrays``, of which each row is one piece.
+
+    ``file``: a .png to write, or None.
+    """
+    path = None if file is None else png_path(file, "file")
     count = len(arrays["vertex_offsets"]) - 1
     rows = {"indptr": np.arange(count + 1, dtype=np.int64), "ids": np.arange(count, dtype=np.int64)}
     kept = {name: np.ascontiguousarray(array) for name, array in {**arrays, **rows}.items()}
@@ -179,7 +183,10 @@ def image_of_pieces(arrays: Mapping[str, Any], values: npt.NDArray[np.float64], 
     raise_on_failure(
         watched(_render_pieces, ctypes.byref(given), ctypes.byref(options), pixels.ctypes.data, pixels.nbytes)
     )
-    return Image(pixels, 0)
+    picture = Image(pixels, 0)
+    if path is not None:
+        picture.save(path)
+    return picture
 
 
 def two(values: Any, name: str) -> Tuple[Any, Any]:
