@@ -233,9 +233,8 @@ TEST_CASE("stream: boxes without end") {
 
 TEST_CASE("stream: the convex hull") {
     for (const bool planar : {false, true})
-        for (const PointSet& space :
-             {test::clustered(3000, 2), test::cubic(14), test::on_walls(2000, 5), test::with_duplicates(2500, 500, 6),
-              test::on_sphere_and_center(300, 4)}) {
+        for (const PointSet& space : {test::clustered(3000, 2), test::cubic(14), test::on_walls(2000, 5),
+                                      test::with_duplicates(2500, 500, 6), test::on_sphere_and_center(300, 4)}) {
             if (test::reduced() && space.name != "on walls") continue;
             CAPTURE(space.name);
             const PointSet set = planar ? test::in_plane(space) : space;

@@ -142,8 +142,7 @@ TEST_SUITE("oracle") {
     TEST_CASE("Voro++: triclinic cells, tilted and of high aspect") {
         for (const double tilt : {-0.45, 0.45})
             for (const double aspect : {1.0, 20.0})
-                for (const std::size_t n :
-                     {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(4000, 500)}) {
+                for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(4000, 500)}) {
                     CAPTURE(tilt);
                     CAPTURE(aspect);
                     CAPTURE(n);
