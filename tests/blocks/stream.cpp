@@ -128,34 +128,32 @@ TEST_CASE("stream: periodic along subsets of the axes") {
 
 TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") {
     test::Random random(3);
-    {
-        const PointSet set = test::clustered(some, 2);
-        votess::Options options = stream_options(set);
-        options.box.reset();
-        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
-        check_stream(set, options);
-        options.cell->periodic = {true, false, true};
-        options.outside = votess::Outside::drop;
-        check_stream(set, options);
+    const PointSet set = test::clustered(some, 2);
+    votess::Options options = stream_options(set);
+    options.box.reset();
+    options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
+    check_stream(set, options);
+    options.cell->periodic = {true, false, true};
+    options.outside = votess::Outside::drop;
+    check_stream(set, options);
 
-        std::vector<double> radii(set.size());
-        for (double& r : radii) r = random.uniform(0, 0.12);
-        options = stream_options(set);
-        options.radii = radii;
-        check_stream(set, options);
-        CHECK(test::difference(test::streamed(set.points, options, little, 1000, true),
-                               votess::tessellate(set.points, options)) == "");
-        options.radii = {};
-        options.weights = radii;
-        options.periodic = {true, true, true};
-        check_stream(set, options);
+    std::vector<double> radii(set.size());
+    for (double& r : radii) r = random.uniform(0, 0.12);
+    options = stream_options(set);
+    options.radii = radii;
+    check_stream(set, options);
+    CHECK(test::difference(test::streamed(set.points, options, little, 1000, true),
+                           votess::tessellate(set.points, options)) == "");
+    options.radii = {};
+    options.weights = radii;
+    options.periodic = {true, true, true};
+    check_stream(set, options);
 
-        options = stream_options(set);
-        options.box.reset();
-        options.outside = votess::Outside::drop;
-        options.walls = test::octahedron(0.6);
-        check_stream(set, options);
-    }
+    options = stream_options(set);
+    options.box.reset();
+    options.outside = votess::Outside::drop;
+    options.walls = test::octahedron(0.6);
+    check_stream(set, options);
 }
 
 TEST_CASE("stream: the plane") {
