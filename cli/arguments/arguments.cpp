@@ -304,7 +304,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
 void read_outputs(const Typed& typed, Arguments& arguments) {
     constexpr std::uint64_t max_copies = 1000;
     check_outputs(arguments.outputs, {arguments.input, arguments.queries});
-    const bool text = std::ranges::any_of(arguments.outputs, is_text_output);
+    const bool text = any_output_has(arguments.outputs, text_rows);
     if (const std::string* format = typed.value("--format")) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*format);
@@ -312,21 +312,20 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
             need_space(std::string("--format with %") + code, arguments);
     }
     for (const std::string& path : arguments.outputs)
-        if (needs_space(path))
+        if (output_has(path, in_space))
             need_space("output " + in_quotes(path), arguments);
-        else if (is_pieces_output(path) && !is_mesh_output(path) && arguments.flat.empty())
+        else if (output_has(path, cell_pieces) && !output_has(path, polyhedra) && arguments.flat.empty())
             throw bad_input("output " + in_quotes(path) + " holds polygons: add --mesh FILE.geojson");
-    const bool pieces = std::ranges::any_of(arguments.outputs, is_pieces_output);
-    if (typed.has("--min-edge") && std::ranges::none_of(arguments.outputs, collapses_edges))
+    const bool pieces = any_output_has(arguments.outputs, cell_pieces);
+    if (typed.has("--min-edge") && !any_output_has(arguments.outputs, shared_faces))
         throw bad_input("--min-edge is for meshes of solvers: add -o FILE in .foam, .tess or .msh");
     if (typed.has("--gap") && !pieces && !typed.has("--image"))
         throw bad_input("--gap is between pieces: add -o FILE in .glb, .obj, .stl, .3mf or .geojson");
     for (const std::string& path : arguments.outputs)
-        if (is_pieces_output(path) && !is_mesh_output(path) && arguments.mesh_file.empty())
+        if (output_has(path, cell_pieces) && !output_has(path, polyhedra) && arguments.mesh_file.empty())
             throw bad_input("output " + in_quotes(path) + " holds pieces of cells in a mesh: add --mesh FILE");
     if ((typed.has("--copy") || typed.has("--density") || arguments.has_zones) && !typed.has("--image") &&
-        !arguments.points_alone &&
-        std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
+        !arguments.points_alone && !any_output_has(arguments.outputs, input_columns | cell_colors)) {
         throw bad_input(
             "--copy, --density and --watershed need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, "
             "or --color with .glb or --image: add -o FILE");
@@ -334,15 +333,14 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if (const std::string* copies = typed.value("--alpha")) {
         arguments.alpha = static_cast<std::int32_t>(whole_number("--alpha", *copies, max_copies));
         if (arguments.alpha == 0) throw bad_input("--alpha is 0: give a number of copies, at least 1");
-        if (std::ranges::none_of(arguments.outputs, holds_arrays))
-            throw bad_input("--alpha needs .npz or .h5: add -o FILE");
+        if (!any_output_has(arguments.outputs, any_arrays)) throw bad_input("--alpha needs .npz or .h5: add -o FILE");
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = votess::want_of(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
     const bool in_mesh = !arguments.mesh_file.empty();
     for (const std::string& path : arguments.outputs)
         add_output_needs(path, typed.has("--want"), arguments.wanted, in_mesh);
-    arguments.read.species |= std::ranges::any_of(arguments.outputs, names_species);
+    arguments.read.species |= any_output_has(arguments.outputs, species_column);
 }
 
 // Returns the option of the query; "" if the run makes cells of the points.
@@ -393,7 +391,7 @@ void read_query(const Typed& typed, const std::string& option, Arguments& argume
 
 void read_colors(const Typed& typed, Arguments& arguments) {
     arguments.coloring = read_coloring(typed);
-    const bool colored = std::ranges::any_of(arguments.outputs, is_colored);
+    const bool colored = any_output_has(arguments.outputs, cell_colors);
     if (colored) arguments.coloring.add_needs(arguments.wanted);
     for (const std::string option : {"--color", "--colormap"})
         if (!colored && !arguments.picture && typed.has(option))
@@ -408,10 +406,10 @@ void check_endless(const Arguments& arguments) {
     const std::string remedy = " without end: leave out cells that reach infinity by --open skip, or give --box";
     if (arguments.picture && !arguments.skip_open) throw bad_input("--image in a domain" + remedy);
     for (const std::string& path : arguments.outputs) {
-        if (!needs_box(path) || (is_mesh_output(path) && arguments.skip_open)) continue;
-        throw bad_input(
-            "output " + in_quotes(path) +
-            (is_mesh_output(path) ? " in a domain" + remedy : " holds a box with ends: give other bounds by --box"));
+        const bool is_mesh = output_has(path, polyhedra);
+        if (!output_has(path, in_box) || (is_mesh && arguments.skip_open)) continue;
+        throw bad_input("output " + in_quotes(path) +
+                        (is_mesh ? " in a domain" + remedy : " holds a box with ends: give other bounds by --box"));
     }
 }
 
@@ -421,14 +419,14 @@ void check_mesh(const Arguments& arguments) {
     if (arguments.picture && arguments.picture->options.slice)
         throw bad_input("--slice does not work in a mesh: leave it out for a picture of the pieces");
     for (const std::string& path : arguments.outputs)
-        if (is_mesh_output(path) && !is_pieces_output(path))
+        if (output_has(path, polyhedra) && !output_has(path, cell_pieces))
             throw bad_input("output " + in_quotes(path) +
                             " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl or .3mf");
     const bool flat = arguments.options.planar;
     if (flat && arguments.picture)
         throw bad_input("--image does not draw cells in polygons: leave out --mesh, or write .geojson");
     for (const std::string& path : arguments.outputs)
-        if (flat && is_mesh_output(path))
+        if (flat && output_has(path, polyhedra))
             throw bad_input("output " + in_quotes(path) + " holds no polygons with holes: write pieces as .geojson");
     for (const Option* option : arguments.given)
         if (const std::string name = long_name(*option);

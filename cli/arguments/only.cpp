@@ -44,7 +44,7 @@ void check_only(const Arguments& arguments) {
         throw bad_input(
             "--only makes some of the cells, but --volumes, --density and --watershed need all: leave it out");
     for (const std::string& path : arguments.outputs)
-        if (!carries_columns(path) || path.ends_with(".vtu"))
+        if (!output_has(path, input_columns) || path.ends_with(".vtu"))
             throw bad_input("--only writes text, .csv, .xyz, .dump, .npz and .h5, not " + in_quotes(path));
 }
 

@@ -18,13 +18,7 @@ bool is_hdf5(const std::string& path) {
 }
 
 void write_npy(OutputFile& file, const GridOutput& grid) {
-    std::string shape = "(";
-    for (const std::uint64_t length : grid.shape()) {
-        if (shape.size() > 1) shape += ", ";
-        shape += std::to_string(length);
-    }
-    shape += grid.shape().size() == 1 ? ",)" : ")";
-    file.write(npy_header("<f8", shape));
+    file.write(npy_header("<f8", grid.shape()));
     file.write(bytes_of(grid.numbers));
 }
 

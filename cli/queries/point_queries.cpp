@@ -26,31 +26,25 @@ void add_to_all(const Arguments& arguments, const QueryInput& input, Outputs& ou
     }
 }
 
-void write_located(OutputFile& file, const std::string& path, const std::vector<std::int32_t>& seeds) {
+// Writes `components` numbers for each query.
+template <class Number>
+void write_numbers(OutputFile& file, const std::string& path, const std::vector<Number>& numbers,
+                   std::size_t components = 1) {
+    constexpr bool whole = std::is_integral_v<Number>;
     if (is_npy_output(path)) {
-        std::string shape = "(";
-        shape += std::to_string(seeds.size());
-        file.write(npy_header("<i4", shape + ",)"));
-        file.write(bytes_of(seeds));
+        const std::array<std::uint64_t, 2> shape{numbers.size() / components, components};
+        file.write(npy_header(whole ? "<i4" : "<f8", std::span(shape).first(components > 1 ? 2 : 1)));
+        file.write(bytes_of(numbers));
         return;
     }
     std::string text;
-    for (const std::int32_t seed : seeds) text += std::to_string(seed) + '\n';
-    file.write(text);
-}
-
-void write_field(OutputFile& file, const std::string& path, const std::vector<double>& field, std::size_t components) {
-    if (is_npy_output(path)) {
-        std::string shape = "(";
-        shape += std::to_string(field.size() / components);
-        shape += ", ";
-        if (components > 1) shape += std::to_string(components);
-        file.write(npy_header("<f8", shape + ")"));
-        file.write(bytes_of(field));
-        return;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+        if constexpr (whole)
+            text += std::to_string(numbers[k]);
+        else
+            text += to_text(numbers[k]);
+        text += (k + 1) % components == 0 ? '\n' : ' ';
     }
-    std::string text;
-    for (std::size_t k = 0; k < field.size(); ++k) text += to_text(field[k]) + ((k + 1) % components == 0 ? '\n' : ' ');
     file.write(text);
 }
 
@@ -89,7 +83,7 @@ public:
         outside_ += std::ranges::count(seeds_, -1);
     }
     void write(const QueryInput& input, Outputs& outputs) override {
-        add_to_all(arguments_, input, outputs, [&](auto& file, auto& path) { write_located(file, path, seeds_); });
+        add_to_all(arguments_, input, outputs, [&](auto& file, auto& path) { write_numbers(file, path, seeds_); });
     }
     std::vector<QueryCount> counts() const override { return {{"outside", "outside of the domain", outside_}}; }
 
@@ -107,7 +101,7 @@ public:
     ReadRequest request(std::size_t) const override { return request_of_queries(arguments_); }
     void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
         for (const std::string& path : arguments_.outputs)
-            if (!has_ends(input.seeds.options, arguments_.hull) && needs_box(path))
+            if (!has_ends(input.seeds.options, arguments_.hull) && output_has(path, in_box))
                 throw bad_input(
                     "output " + in_quotes(path) +
                     " needs a box with ends, and without a box cells of queries may reach infinity: give --box, "
@@ -173,7 +167,7 @@ public:
     }
     void write(const QueryInput& input, Outputs& outputs) override {
         add_to_all(arguments_, input, outputs,
-                   [&](auto& file, auto& path) { write_field(file, path, field_, components_); });
+                   [&](auto& file, auto& path) { write_numbers(file, path, field_, components_); });
     }
     std::vector<QueryCount> counts() const override { return {{"without", "without natural neighbors", without_}}; }
 
@@ -232,12 +226,12 @@ void check_query_outputs(const Arguments& arguments) {
             (arguments.query == "--trace" ? "FILE.npz, FILE.txt or - for stdout" : "FILE, or -o - for stdout"));
     if (arguments.query == "--trace") {
         for (const std::string& path : outputs)
-            if (!is_text_output(path) && !is_npz_output(path))
+            if (!output_has(path, text_rows) && !is_npz_output(path))
                 throw bad_input("--trace writes .npz and .txt, not " + in_quotes(path));
         return check_paths(outputs, {arguments.input, arguments.queries});
     }
     for (const std::string& path : outputs)
-        if (!carries_columns(path))  // a mesh of all cells, which share vertices
+        if (!output_has(path, input_columns))  // a mesh of all cells, which share vertices
             throw bad_input("--probe writes text, .npz, .h5 and .vtu, not " + in_quotes(path) +
                             ": the cells of queries overlap and form no mesh");
 }

@@ -16,31 +16,36 @@ namespace {
 struct Kind {
     std::string_view extension;
     void (*write)(OutputFile&, const OutputData&);
-    bool mesh;            // holds polygons of faces
-    bool carries;         // holds columns of the input
-    bool frames;          // may hold several frames
-    bool pieces = false;  // of cells in a mesh
+    unsigned traits;
 };
 
 void write_hdf5(OutputFile& file, const OutputData& data) {
     load_hdf5("cannot write HDF5").write(file, data);
 }
 
-constexpr std::array<Kind, 20> kinds{
-    {{".txt", write_text, false, true, true},        {".vol", write_text, false, true, true},
-     {".npz", write_npz, false, true, false},        {".h5", write_hdf5, false, true, true},
-     {".hdf5", write_hdf5, false, true, true},       {".csv", write_csv, false, true, true},
-     {".xyz", write_xyz, false, true, true},         {".extxyz", write_xyz, false, true, true},
-     {".dump", write_dump, false, true, true},       {".lammpstrj", write_dump, false, true, true},
-     {".vtu", write_vtu, true, true, false, true},   {".ply", write_ply, true, false, false},
-     {".obj", write_obj, true, false, false, true},  {".glb", write_glb, true, false, false, true},
-     {".foam", write_foam, true, false, false},      {".tess", write_tess, true, false, false},
-     {".msh", write_msh, true, false, false},        {".stl", write_stl, false, false, false, true},
-     {".3mf", write_3mf, false, false, false, true}, {".geojson", write_geojson, false, false, false, true}}};
-
-bool is_table(const Kind& kind) {
-    return kind.write == write_csv || kind.write == write_xyz || kind.write == write_dump;
-}
+constexpr unsigned rows = input_columns | many_frames, atoms = table | rows | species_column | in_box,
+                   mesh = polyhedra | in_box, solid = mesh | in_space, solver = solid | shared_faces,
+                   of_pieces = cell_pieces | in_space;
+constexpr std::array<Kind, 20> kinds{{{".txt", write_text, text_rows | rows},
+                                      {".vol", write_text, text_rows | rows},
+                                      {".npz", write_npz, any_arrays | input_columns},
+                                      {".h5", write_hdf5, any_arrays | rows},
+                                      {".hdf5", write_hdf5, any_arrays | rows},
+                                      {".csv", write_csv, table | rows},
+                                      {".xyz", write_xyz, atoms},
+                                      {".extxyz", write_xyz, atoms},
+                                      {".dump", write_dump, atoms},
+                                      {".lammpstrj", write_dump, atoms},
+                                      {".vtu", write_vtu, mesh | cell_pieces | input_columns},
+                                      {".ply", write_ply, solid},
+                                      {".obj", write_obj, solid | of_pieces},
+                                      {".glb", write_glb, solid | of_pieces | cell_colors},
+                                      {".foam", write_foam, solver},
+                                      {".tess", write_tess, solver},
+                                      {".msh", write_msh, solver},
+                                      {".stl", write_stl, of_pieces},
+                                      {".3mf", write_3mf, of_pieces},
+                                      {".geojson", write_geojson, cell_pieces}}};
 
 // Returns the kind of an output, or null. Text is the kind of stdout, and of a device or pipe without a known
 // extension.
@@ -63,55 +68,19 @@ std::string mesh_folder_of(const std::string& path) {
 
 }  // namespace
 
-bool needs_box(const std::string& path) {
+bool output_has(const std::string& path, unsigned traits) {
     const Kind* const kind = kind_of(path);
-    return kind && (kind->mesh || kind->write == write_xyz || kind->write == write_dump);
+    return kind && (kind->traits & traits) != 0;
 }
 
-bool is_text_output(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && kind->write == write_text;
-}
-
-bool carries_columns(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && kind->carries;
-}
-
-bool holds_arrays(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && (kind->write == write_npz || kind->write == write_hdf5);
-}
-
-bool is_mesh_output(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && kind->mesh;
-}
-
-bool needs_space(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && (kind->mesh || kind->pieces) && kind->write != write_vtu && kind->write != write_geojson;
-}
-
-bool is_pieces_output(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && kind->pieces;
-}
-
-bool collapses_edges(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && (kind->write == write_foam || kind->write == write_tess || kind->write == write_msh);
-}
-
-bool is_colored(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && kind->write == write_glb;
+bool any_output_has(const std::vector<std::string>& paths, unsigned traits) {
+    return std::ranges::any_of(paths, [traits](const std::string& path) { return output_has(path, traits); });
 }
 
 // Throws Failure for a name or words that a file with blanks between its columns cannot hold.
 void check_blanks(const std::string& path, const std::string& name, const std::vector<std::string>& words) {
     const Kind& kind = *kind_of(path);
-    if (kind.write == write_csv || !(kind.write == write_text || is_table(kind))) return;
+    if (kind.write == write_csv || (kind.traits & (text_rows | table)) == 0) return;
     const auto check = [&](const std::string& text, const char* what, const char* marks) {
         if (text.empty() || text.find_first_of(marks) != std::string::npos)
             throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) + ", for its " +
@@ -139,16 +108,17 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
             throw bad_input("the column " + in_quotes(name) + " is requested twice: name it once");
         }
         for (const std::string& path : outputs) {
-            const Kind* const kind = kind_of(path);
-            if (columns[c].of_words && kind->write == write_vtu)
+            const bool carries = output_has(path, input_columns), is_text = output_has(path, text_rows);
+            const bool is_vtu = kind_of(path)->write == write_vtu;
+            if (columns[c].of_words && is_vtu)
                 throw bad_input("cannot carry the words of " + in_quotes(name) + " into " + in_quotes(path) +
                                 ", which holds numbers: write .csv, .npz or .h5");
-            const bool taken = kind->write == write_vtu ? is_vtu_array(name)
-                               : is_table(*kind)        ? is_table_column(name, planar)
-                                                        : kind->write != write_text && is_result_array(name);
-            if (kind->carries && kind->write != write_text) check_name(columns[c]);
+            const bool taken = is_vtu                    ? is_vtu_array(name)
+                               : output_has(path, table) ? is_table_column(name, planar)
+                                                         : !is_text && is_result_array(name);
+            if (carries && !is_text) check_name(columns[c]);
             check_blanks(path, name, columns[c].words);
-            if (kind->carries && taken) {
+            if (carries && taken) {
                 throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) +
                                 ", which has an array of that name: rename the column");
             }
@@ -159,14 +129,15 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
 
 void add_output_needs(const std::string& path, bool want_given, votess::Want& want, bool in_mesh) {
     const Kind* const kind = kind_of(path);
-    if (kind && is_table(*kind) && !want_given) {
+    const bool is_vtu = kind && kind->write == write_vtu;
+    if (output_has(path, table) && !want_given) {
         want.neighbors = want.volumes = true;
         want.faces = !in_mesh;
     }
-    if (kind && in_mesh && kind->write == write_vtu) want.neighbors = true;
-    if (!kind || !kind->mesh || in_mesh) return;
+    if (in_mesh && is_vtu) want.neighbors = true;
+    if (!output_has(path, polyhedra) || in_mesh) return;
     want.faces = true;
-    if (kind->write == write_vtu) want.volumes = want.centroids = true;
+    if (is_vtu) want.volumes = want.centroids = true;
 }
 
 void check_paths(const std::vector<std::string>& paths, const std::vector<std::string>& inputs) {
@@ -213,11 +184,6 @@ std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainF
     return units;
 }
 
-bool names_species(const std::string& path) {
-    const Kind* const kind = kind_of(path);
-    return kind && (kind->write == write_xyz || kind->write == write_dump);
-}
-
 bool names_frame(const std::string& path) {
     return path.find(frame_mark) != std::string::npos;
 }
@@ -232,11 +198,10 @@ void check_frame_names(const std::vector<std::string>& paths, bool several) {
     for (const std::string& path : paths) {
         if (!several && names_frame(path))
             throw bad_input("output " + in_quotes(path) + " is named by frames: add --frames all");
-        const Kind* const kind = kind_of(path);
         if (several && is_foam(path))
             throw bad_input("cannot write all frames into " + in_quotes(path) +
                             ", whose folder holds one mesh: choose a frame by --frame N");
-        if (several && !names_frame(path) && !(kind && kind->frames))
+        if (several && !names_frame(path) && !output_has(path, many_frames))
             throw bad_input("cannot write all frames into " + in_quotes(path) +
                             ", which holds one: let {frame} stand for its number in the name, as in out-{frame}" +
                             extension_of(path));
@@ -284,7 +249,7 @@ void Outputs::add(const std::string& path, const std::function<void(OutputFile&)
 
 void Outputs::add(const std::string& path, const OutputData& data) {
     const Kind& kind = *kind_of(path);
-    if (names_species(path)) check_blanks(path, "species", data.input.species);
+    if (output_has(path, species_column)) check_blanks(path, "species", data.input.species);
     if (kind.write != write_hdf5 || data.place == FramePlace::alone)
         return add(path, [&](OutputFile& file) { kind.write(file, data); });
     Shared& file = shared(path);

@@ -31,23 +31,28 @@ void check_hdf5(const std::string& path);
 // Checks extensions, then as check_hdf5() and check_paths(). Throws Failure.
 void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
-[[nodiscard]] bool is_text_output(const std::string& path);
-// Whether the file needs a domain with ends.
-[[nodiscard]] bool needs_box(const std::string& path);
-[[nodiscard]] bool carries_columns(const std::string& path);
-[[nodiscard]] bool holds_arrays(const std::string& path);    // of any length
-[[nodiscard]] bool is_mesh_output(const std::string& path);  // whether it holds polyhedra
-[[nodiscard]] bool needs_space(const std::string& path);     // whether it cannot hold cells of the plane
-// Whether it holds the pieces of cells in a mesh. Without a mesh some such formats hold polyhedra, others nothing.
-[[nodiscard]] bool is_pieces_output(const std::string& path);
-[[nodiscard]] bool collapses_edges(const std::string& path);  // whether --min-edge changes it
-[[nodiscard]] bool is_colored(const std::string& path);
+// What a file of some extension holds, in bits.
+enum OutputTrait : unsigned {
+    text_rows = 1,       // by --format; also stdout
+    table = 2,           // columns of the cells; those without --want have the default ones
+    any_arrays = 4,      // of any length
+    polyhedra = 8,       // cells as polygons
+    cell_pieces = 16,    // of cells in a mesh. Without a mesh some such formats hold polyhedra, others nothing
+    input_columns = 32,  // columns of the input
+    many_frames = 64,
+    cell_colors = 128,
+    shared_faces = 256,  // --min-edge changes it
+    species_column = 512,
+    in_space = 1024,  // cannot hold cells of the plane
+    in_box = 2048,    // needs a domain with ends
+};
+// Returns whether a file of the path's extension has one of these traits.
+[[nodiscard]] bool output_has(const std::string& path, unsigned traits);
+[[nodiscard]] bool any_output_has(const std::vector<std::string>& paths, unsigned traits);
 
 // Adds to `want` the arrays that a file of this extension needs. The needs of text depend on its format. Tables choose
 // their columns unless --want does, which want_given states; in a mesh without polygons.
 void add_output_needs(const std::string& path, bool want_given, votess::Want& want, bool in_mesh = false);
-// Returns whether the file has a column of species.
-[[nodiscard]] bool names_species(const std::string& path);
 
 // Place of a result among those of its file.
 enum class FramePlace { alone, first, later };

@@ -1,5 +1,7 @@
 #include "write/text_format.hpp"
 
+#include <utility>
+
 #include "failure.hpp"
 
 namespace clvotess {
@@ -32,59 +34,19 @@ TextFormat::TextFormat(std::string_view format, bool like_voropp) : like_voropp_
     end_literal();
 }
 
-char TextFormat::solid_code() const {
+char TextFormat::first_of(std::string_view of_codes) const {
     for (const FormatPiece& piece : pieces_)
-        if (piece.code != 0 && std::string_view("zaAeEot").find(piece.code) != std::string_view::npos)
-            return piece.code;
+        if (piece.code != 0 && of_codes.find(piece.code) != std::string_view::npos) return piece.code;
     return 0;
 }
 
 void TextFormat::add_needs(votess::Want& want) const {
-    for (const FormatPiece& piece : pieces_) {
-        switch (piece.code) {
-            case 'n':
-                want.neighbors = true;
-                break;
-            case 'v':
-                want.volumes = true;
-                break;
-            case 'c':
-            case 'C':
-                want.centroids = true;
-                break;
-            case 'f':
-                want.areas = true;
-                break;
-            case 'F':
-                want.surfaces = true;
-                break;
-            case 'l':
-                want.normals = true;
-                break;
-            case 'm':
-                want.radii = true;
-                break;
-            case 'w':
-            case 's':
-            case 'g':
-                want.counts = true;
-                break;
-            case 'p':
-            case 'P':
-                want.vertices = true;
-                break;
-            case 'o':
-            case 'E':
-            case 'e':
-            case 'A':
-            case 'a':
-            case 't':
-                want.faces = true;
-                break;
-            default:
-                break;
-        }
-    }
+    using votess::Want;
+    constexpr std::pair<std::string_view, bool Want::*> needs[] = {
+        {"n", &Want::neighbors}, {"v", &Want::volumes},   {"cC", &Want::centroids}, {"f", &Want::areas},
+        {"F", &Want::surfaces},  {"l", &Want::normals},   {"m", &Want::radii},      {"wsg", &Want::counts},
+        {"pP", &Want::vertices}, {"oEeAat", &Want::faces}};
+    for (const auto& [of_codes, member] : needs) want.*member |= has_any(of_codes);
 }
 
 }  // namespace clvotess

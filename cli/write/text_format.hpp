@@ -24,12 +24,15 @@ public:
     [[nodiscard]] bool like_voropp() const noexcept { return like_voropp_; }
 
     [[nodiscard]] const std::vector<FormatPiece>& pieces() const noexcept { return pieces_; }
+    [[nodiscard]] bool has_any(std::string_view of_codes) const { return first_of(of_codes) != 0; }
     // Returns the first code that needs three dimensions; 0 without one.
-    [[nodiscard]] char solid_code() const;
+    [[nodiscard]] char solid_code() const { return first_of("zaAeEot"); }
     // Adds to `want` the arrays that the codes print.
     void add_needs(votess::Want& want) const;
 
 private:
+    [[nodiscard]] char first_of(std::string_view of_codes) const;
+
     std::vector<FormatPiece> pieces_;
     bool like_voropp_ = false;
 };

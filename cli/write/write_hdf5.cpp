@@ -20,28 +20,9 @@ namespace clvotess {
 namespace {
 
 hid_t hdf5_type(NumberType type) {
-    switch (type) {
-        case NumberType::int8:
-            return H5T_STD_I8LE;
-        case NumberType::uint8:
-            return H5T_STD_U8LE;
-        case NumberType::int16:
-            return H5T_STD_I16LE;
-        case NumberType::uint16:
-            return H5T_STD_U16LE;
-        case NumberType::int32:
-            return H5T_STD_I32LE;
-        case NumberType::uint32:
-            return H5T_STD_U32LE;
-        case NumberType::int64:
-            return H5T_STD_I64LE;
-        case NumberType::uint64:
-            return H5T_STD_U64LE;
-        case NumberType::float32:
-            return H5T_IEEE_F32LE;
-        default:
-            return H5T_IEEE_F64LE;
-    }
+    const std::array<hid_t, 10> types{H5T_STD_I8LE,  H5T_STD_U8LE,  H5T_STD_I16LE, H5T_STD_U16LE,  H5T_STD_I32LE,
+                                      H5T_STD_U32LE, H5T_STD_I64LE, H5T_STD_U64LE, H5T_IEEE_F32LE, H5T_IEEE_F64LE};
+    return types[static_cast<std::size_t>(type)];
 }
 
 // Returns the type of an array: of numbers, or of texts of equal length.
@@ -70,9 +51,7 @@ public:
     // access: how HDF5 opens the file. failure: returns the exception for an errno.
     Hdf5Writer(const std::string& path, hid_t access, std::function<Failure(int)> failure)
         : failure_(std::move(failure)) {
-        // No times of creation, so that equal results give equal files.
-        const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
-        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
+        const Hdf5Handle creation = without_times(H5P_FILE_CREATE);
         file_ = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access), H5Fclose};
         require(file_.valid());
         place_ = file_.id();
@@ -80,8 +59,7 @@ public:
 
     // Places all following arrays and attributes into a new group, until it is closed.
     [[nodiscard]] Hdf5Handle open_group(const std::string& name) {
-        const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
+        const Hdf5Handle creation = without_times(H5P_GROUP_CREATE);
         Hdf5Handle group(H5Gcreate2(file_.id(), name.c_str(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), H5Gclose);
         require(group.valid());
         place_ = group.id();
@@ -102,15 +80,8 @@ public:
 
     [[nodiscard]] Hdf5Handle create(const ResultArray& array, hsize_t rows) {
         const std::array<hsize_t, 2> extent{rows, array.columns};
-        const int rank = array.columns == 1 ? 1 : 2;
-        const Hdf5Handle space(H5Screate_simple(rank, extent.data(), nullptr), H5Sclose);
-        const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
-        Hdf5Handle set(H5Dcreate2(place_, std::string(array.name).c_str(), hdf5_type(array).id(), space.id(),
-                                  H5P_DEFAULT, creation.id(), H5P_DEFAULT),
-                       H5Dclose);
-        require(set.valid());
-        return set;
+        return create(std::string(array.name), hdf5_type(array).id(),
+                      std::span(extent).first(array.columns == 1 ? 1 : 2));
     }
 
     // Writes the rows of the array into the dataset, from row `first` on.
@@ -135,13 +106,7 @@ public:
     void add_grid(const GridOutput& grid) {
         const std::vector<std::uint64_t> shape = grid.shape();
         const std::vector<hsize_t> extent(shape.begin(), shape.end());
-        const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
-        const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
-        Hdf5Handle set(
-            H5Dcreate2(file_.id(), "grid", H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
-            H5Dclose);
-        require(set.valid());
+        Hdf5Handle set = create("grid", H5T_IEEE_F64LE, extent);
         require(H5Dwrite(set.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, grid.numbers.data()) >= 0);
         require(set.close());
     }
@@ -179,6 +144,21 @@ public:
     }
 
 private:
+    // No times of creation, so that equal results give equal files.
+    Hdf5Handle without_times(hid_t of) {
+        Hdf5Handle creation(H5Pcreate(of), H5Pclose);
+        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
+        return creation;
+    }
+    // extent: of its axes.
+    Hdf5Handle create(const std::string& name, hid_t type, std::span<const hsize_t> extent) {
+        const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
+        const Hdf5Handle creation = without_times(H5P_DATASET_CREATE);
+        Hdf5Handle set(H5Dcreate2(place_, name.c_str(), type, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+                       H5Dclose);
+        require(set.valid());
+        return set;
+    }
     void write_attribute(const std::string& name, hid_t type, const Hdf5Handle& space, const void* values) {
         Hdf5Handle attribute(H5Acreate2(place_, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
         require(attribute.valid() && H5Awrite(attribute.id(), type, values) >= 0 && attribute.close());

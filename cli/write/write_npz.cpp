@@ -21,17 +21,17 @@ class NpzWriter {
 public:
     explicit NpzWriter(OutputFile& file) : zip_(file) {}
 
-    void add(std::string_view name, std::string_view type, const std::string& shape, std::string_view bytes) {
+    void add(std::string_view name, std::string_view type, std::span<const std::uint64_t> shape,
+             std::string_view bytes) {
         const std::string header = npy_header(type, shape);
         zip_.add(std::string(name) + ".npy", std::array{std::string_view(header), bytes});
     }
     void add(std::span<const ResultArray> arrays) {
         for (const ResultArray& array : arrays) {
-            const std::string rows = std::to_string(array.rows());
+            const std::array<std::uint64_t, 2> shape{array.rows(), array.columns};
             const std::string text = "|S" + std::to_string(array.text);
             add(array.name, array.text > 0 ? std::string_view(text) : numpy_type(array.type),
-                array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")",
-                array.bytes);
+                std::span(shape).first(array.columns == 1 ? 1 : 2), array.bytes);
         }
     }
     void finish() { zip_.finish(); }
@@ -54,12 +54,12 @@ void write_npz(OutputFile& file, const OutputData& data) {
     npz.add(DomainArrays(data.tessellation).all());
     for (const auto& [name, value] : attributes_of(data.input.units, data.domain_from)) {
         if (const double* const number = std::get_if<double>(&value)) {
-            npz.add(name, "<f8", "()", {reinterpret_cast<const char*>(number), sizeof *number});
+            npz.add(name, "<f8", {}, {reinterpret_cast<const char*>(number), sizeof *number});
             continue;
         }
         std::string letters;  // NumPy's text has four bytes a letter
         for (const char c : std::get<std::string>(value)) letters += {c, '\0', '\0', '\0'};
-        npz.add(name, "<U" + std::to_string(letters.size() / 4), "()", letters);
+        npz.add(name, "<U" + std::to_string(letters.size() / 4), {}, letters);
     }
     npz.finish();
 }

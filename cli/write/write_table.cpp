@@ -8,7 +8,6 @@
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
 #include "in_order.hpp"
-#include "write/nearest_images.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -39,14 +38,8 @@ std::vector<double> centroids_of(const OutputData& data) {
     const std::span<const double> all = data.tessellation.centroids();
     std::vector<double> centroids(all.begin(), all.end());
     if (data.tessellation.periodic() == std::array<bool, 3>{}) return centroids;
-    const NearestImages seeds(data.input.points, data.tessellation);
-    const std::size_t size = data.input.dimensions;
-    for (std::size_t i = 0; i < data.tessellation.size(); ++i) {
-        Point centroid{};
-        std::copy_n(&all[size * i], size, centroid.begin());
-        const Point image = seeds.image(i, centroid);
-        for (std::size_t k = 0; k < size; ++k) centroids[size * i + k] += data.input.points[size * i + k] - image[k];
-    }
+    const std::vector<double> wrapped = votess::wrapped_points(data.tessellation, data.input.points);
+    for (std::size_t k = 0; k < centroids.size(); ++k) centroids[k] += data.input.points[k] - wrapped[k];
     return centroids;
 }
 

@@ -1,5 +1,6 @@
 // Text rows, in blocks that threads make.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -8,7 +9,6 @@
 
 #include "files/output_file.hpp"
 #include "in_order.hpp"
-#include "write/nearest_images.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -16,17 +16,18 @@ namespace {
 
 constexpr double radius_of_voropp = 0.5;  // what Voro++ prints for %r when there are no radii
 
+using Point = std::array<double, 3>;
 using Polygon = std::span<const std::int32_t>;
 
 class TextWriter {
 public:
-    // places: of the seeds, for %q.
-    TextWriter(const OutputData& data, std::span<const double> places, const NearestImages& seeds, bool ids_ascend)
+    // wrapped: the points inside of a periodic domain, around which cells lie; may be empty without %c and %p.
+    TextWriter(const OutputData& data, std::span<const double> wrapped, bool ids_ascend)
         : data_(data),
-          places_(places),
+          wrapped_(wrapped),
+          places_(data.format.like_voropp() ? wrapped : data.input.points),
           cells_(data.tessellation),
           size_(size_of_vectors(cells_)),
-          seeds_(seeds),
           indices_(cells_.indices()),
           areas_(cells_.face_areas()),
           probed_(cells_.probed()),
@@ -95,7 +96,7 @@ private:
                 return buffer_.put_number(cells_.volumes()[i]);
             case 'c': {
                 Point centroid = point_of(cells_.centroids(), i);
-                const Point origin = seeds_.image(i, centroid);
+                const Point origin = point_of(wrapped_, i);
                 for (std::size_t k = 0; k < size_; ++k) centroid[k] -= origin[k];
                 return buffer_.put_vector(std::span(centroid).first(size_));
             }
@@ -103,7 +104,7 @@ private:
                 return buffer_.put_vector(cells_.centroids().subspan(size_ * i, size_));
             }
             case 'p':
-                return put_vertices(i, seeds_.image(i, mean_vertex(i)));
+                return put_vertices(i, point_of(wrapped_, i));
             case 'P':
                 return put_vertices(i, {});
             default:
@@ -224,17 +225,6 @@ private:
         return length;
     }
 
-    // Returns a point inside the cell; NaN if there is no cell.
-    [[nodiscard]] Point mean_vertex(std::size_t i) const {
-        Point sum{};
-        const Polygon vertices = vertices_of(i);
-        for (const std::int32_t index : vertices) {
-            for (std::size_t k = 0; k < size_; ++k) sum[k] += vertex(index)[k];
-        }
-        for (double& x : sum) x /= static_cast<double>(vertices.size());
-        return sum;
-    }
-
     void put_vertices(std::size_t i, const Point& origin) {
         put_list(vertices_of(i), [&](std::int32_t index) {
             Point at = point_of(cells_.vertices(), static_cast<std::size_t>(index));
@@ -278,11 +268,10 @@ private:
     }
 
     const OutputData& data_;
-    std::span<const double> places_;
+    std::span<const double> wrapped_, places_;  // places_: for %q, as voro++ prints them
     const votess::Tessellation& cells_;
     std::size_t size_;  // of vectors
     OutputBuffer buffer_;
-    const NearestImages& seeds_;
     std::span<const std::int32_t> indices_;
     std::span<const double> areas_;
     bool probed_, subset_, ids_ascend_;
@@ -295,17 +284,16 @@ private:
 
 void write_text(OutputFile& file, const OutputData& data) {
     constexpr std::size_t block = 4096;
-    const NearestImages seeds(data.input.points, data.tessellation);
-    std::vector<double> wrapped;  // voro++ prints seeds inside a periodic box
-    if (data.format.like_voropp()) wrapped = votess::wrapped_points(data.tessellation, data.input.points);
-    const std::span<const double> places = wrapped.empty() ? std::span(data.input.points) : wrapped;
+    std::vector<double> wrapped;
+    if (data.format.like_voropp() || data.format.has_any("cp"))
+        wrapped = votess::wrapped_points(data.tessellation, data.input.points);
     const bool subset = data.tessellation.is_subset();
     const bool ids_ascend = std::ranges::is_sorted(subset ? data.all_ids : std::span(data.input.ids));
     const std::size_t count = data.tessellation.size();
     if (data.place != FramePlace::alone) file.write(frame_line(data.input, count, "points"));
     in_order((count + block - 1) / block, data.threads,
              [&](std::size_t k) {
-                 return TextWriter(data, places, seeds, ids_ascend).rows(k * block, std::min(count, (k + 1) * block));
+                 return TextWriter(data, wrapped, ids_ascend).rows(k * block, std::min(count, (k + 1) * block));
              },
              [&](const OutputBuffer& rows) {
                  file.write(rows.bytes());

@@ -6,12 +6,11 @@ using namespace votess::c;
 votess_status votess_alpha_new(const votess_result* result, const double* points, size_t count,
                                const int32_t* replicate, votess_alpha** out) {
     return create(out, [&] {
-        require(result, "result");
+        const auto input = points_of(result, points, count);
         std::array<std::int32_t, 3> copies{1, 1, 1};
         if (replicate != nullptr) copies = {replicate[0], replicate[1], replicate[2]};
-        const std::size_t dimensions = dimensions_of(result->tessellation);
-        const auto input = coordinates(points, count, "points", "count", dimensions);
-        return votess_alpha{votess::alpha_complex(result->tessellation, input, copies), dimensions};
+        const votess::Tessellation& t = result->tessellation;
+        return votess_alpha{votess::alpha_complex(t, input, copies), dimensions_of(t)};
     });
 }
 

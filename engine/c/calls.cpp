@@ -119,8 +119,7 @@ votess_status votess_verify(const votess_result* result, const double* points, s
     return guarded([&] {
         const ReportOut out{passed, proven, skipped, sampled, failure, failure_size};
         begin_report(out);
-        require(result, "result");
-        const auto input = coordinates(points, count, "points", "count", dimensions_of(result->tessellation));
+        const auto input = points_of(result, points, count);
         write_report(votess::verify(result->tessellation, input, verify_options(sample, rng_seed)), out);
     });
 }
@@ -136,8 +135,7 @@ votess_status votess_count_tiny_faces(const votess_result* result, const double*
 
 votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count, double* places) {
     return guarded([&] {
-        require(result, "result");
-        const auto input = coordinates(points, count, "points", "count", dimensions_of(result->tessellation));
+        const auto input = points_of(result, points, count);
         require_array(places, count, "places", "count");
         std::ranges::copy(votess::wrapped_points(result->tessellation, input), places);
     });

@@ -1,7 +1,6 @@
 // votess_write_mesh(): its arrays are checked here and become a files::Mesh. votess_write_pieces().
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -147,18 +146,45 @@ files::ByteSink sink(votess_write_callback write, void* user) {
     });
 }
 
-[[noreturn]] void refuse_format(std::string_view name, const char* known) {
-    refuse("the format is '" + std::string(name) + "': known are " + known);
+template <class Arrays>
+struct Format {
+    std::string_view name;
+    void (*write)(const Arrays&, files::ByteSink&);
+};
+
+constexpr Format<files::Mesh> mesh_formats[] = {
+    {".vtu", files::write_vtu},   {".ply", files::write_ply},   {".obj", files::write_obj}, {".glb", files::write_glb},
+    {".foam", files::write_foam}, {".tess", files::write_tess}, {".msh", files::write_msh}};
+
+constexpr Format<files::Pieces> piece_formats[] = {{".glb", files::write_pieces_glb},
+                                                   {".obj", files::write_pieces_obj},
+                                                   {".stl", files::write_pieces_stl},
+                                                   {".3mf", files::write_pieces_3mf},
+                                                   {".geojson", files::write_pieces_geojson}};
+
+template <class Arrays>
+void write_format(std::span<const Format<Arrays>> formats, std::string_view name, const Arrays& arrays,
+                  files::ByteSink& out) {
+    const auto found = std::ranges::find(formats, name, &Format<Arrays>::name);
+    if (found == formats.end()) {
+        std::string message = "the format is '" + std::string(name) + "': known are";
+        for (const auto& format : formats) message += " " + std::string(format.name);
+        refuse(message);
+    }
+    found->write(arrays, out);
+    out.flush();
 }
 
+votess_mesh mesh_of(const votess_mesh* mesh) {
+    require(mesh, "mesh");
+    return read_struct(*mesh, "mesh.struct_size", "give sizeof(votess_mesh)", first_mesh_size);
+}
 }  // namespace
 
 files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::size_t dimensions) {
     require(arrays, "pieces");
-    require_struct_size(arrays->struct_size, first_pieces_size, "pieces.struct_size",
-                        "give sizeof(votess_piece_arrays)");
-    votess_piece_arrays given{};
-    std::memcpy(&given, arrays, std::min<std::size_t>(arrays->struct_size, sizeof given));
+    const votess_piece_arrays given =
+        read_struct(*arrays, "pieces.struct_size", "give sizeof(votess_piece_arrays)", first_pieces_size);
     if (given.rows > max_count) refuse("pieces.rows may be " + std::to_string(max_count) + " at most");
     files::Pieces pieces;
     pieces.indptr = offsets(given.indptr, given.rows, "indptr", "pieces");
@@ -191,48 +217,26 @@ files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::
 
 votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write, void* user) {
     return guarded([&] {
-        require(mesh, "mesh");
         require(format, "format");
-        require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
-        votess_mesh given{};
-        std::memcpy(&given, mesh, std::min<std::size_t>(mesh->struct_size, sizeof given));
+        const votess_mesh given = mesh_of(mesh);
         const std::string_view name = format;
         if (given.planar != 0 && name != ".vtu")
             refuse("mesh.planar is set, but '" + std::string(name) + "' holds faces of space: give .vtu");
         const CheckedMesh checked_mesh = checked(given, name != ".vtu" && name != ".glb");
         const files::Mesh& arrays = checked_mesh.mesh;
         files::ByteSink out = sink(write, user);
-        if (name == ".vtu") {
-            files::write_vtu(arrays, out);
-        } else if (name == ".ply") {
-            files::write_ply(arrays, out);
-        } else if (name == ".obj") {
-            files::write_obj(arrays, out);
-        } else if (name == ".glb") {
-            if (arrays.colors.empty() && mesh->cells != 0) refuse("mesh.colors is NULL, but .glb needs colors");
-            files::write_glb(arrays, out);
-        } else if (name == ".foam") {
-            files::write_foam(arrays, out);
-        } else if (name == ".tess") {
-            files::write_tess(arrays, out);
-        } else if (name == ".msh") {
-            files::write_msh(arrays, out);
-        } else {
-            refuse_format(name, ".vtu .ply .obj .glb .foam .tess .msh");
-        }
-        out.flush();
+        if (name == ".glb" && arrays.colors.empty() && given.cells != 0)
+            refuse("mesh.colors is NULL, but .glb needs colors");
+        write_format<files::Mesh>(mesh_formats, name, arrays, out);
     });
 }
 
 votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* quality) {
     return guarded([&] {
-        require(mesh, "mesh");
+        const votess_mesh given = mesh_of(mesh);
         require(quality, "quality");
-        require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
         require_struct_size(quality->struct_size, sizeof *quality, "quality.struct_size",
                             "give sizeof(votess_mesh_quality)");
-        votess_mesh given{};
-        std::memcpy(&given, mesh, std::min<std::size_t>(mesh->struct_size, sizeof given));
         if (given.planar != 0) refuse("mesh.planar is set, but quality is that of cells in space");
         const CheckedMesh checked_mesh = checked(given, true);
         const files::SharedMesh shared(checked_mesh.mesh);
@@ -266,19 +270,6 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
         const std::string_view name = format;
         const files::Pieces arrays = checked_pieces(pieces, name == ".geojson" ? 2 : 3);
         files::ByteSink out = sink(write, user);
-        if (name == ".glb") {
-            files::write_pieces_glb(arrays, out);
-        } else if (name == ".obj") {
-            files::write_pieces_obj(arrays, out);
-        } else if (name == ".stl") {
-            files::write_pieces_stl(arrays, out);
-        } else if (name == ".3mf") {
-            files::write_pieces_3mf(arrays, out);
-        } else if (name == ".geojson") {
-            files::write_pieces_geojson(arrays, out);
-        } else {
-            refuse_format(name, ".glb .obj .stl .3mf .geojson");
-        }
-        out.flush();
+        write_format<files::Pieces>(piece_formats, name, arrays, out);
     });
 }

@@ -1,7 +1,6 @@
 // Weights for given volumes.
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 
 #include "c/handles.hpp"
 
@@ -12,7 +11,6 @@ namespace {
 votess_fit_options default_fit_options() {
     const votess::FitOptions defaults;
     votess_fit_options options{};
-    options.struct_size = sizeof options;
     options.max_steps = defaults.max_steps;
     options.tolerance = defaults.tolerance;
     options.normalize = defaults.normalize ? 1 : 0;
@@ -20,12 +18,9 @@ votess_fit_options default_fit_options() {
 }
 
 votess::FitOptions convert(const votess_fit_options* given) {
-    votess_fit_options all = default_fit_options();
-    if (given != nullptr) {
-        require_struct_size(given->struct_size, sizeof all, "fit_options.struct_size",
-                            "call votess_fit_options_init first");
-        std::memcpy(&all, given, sizeof all);
-    }
+    const votess_fit_options all =
+        given == nullptr ? default_fit_options()
+                         : read_struct(*given, "fit_options.struct_size", "call votess_fit_options_init first");
     votess::FitOptions converted{
         .tolerance = all.tolerance, .max_steps = all.max_steps, .normalize = all.normalize != 0};
     if (all.density != nullptr) converted.density = density_of(all.density, all.density_shape);
@@ -35,12 +30,7 @@ votess::FitOptions convert(const votess_fit_options* given) {
 }  // namespace
 
 votess_status votess_fit_options_init(votess_fit_options* options, size_t size) {
-    return guarded([&] {
-        require(options, "options");
-        require_struct_size(size, sizeof(votess_fit_options), "size", "give sizeof(votess_fit_options)");
-        *options = default_fit_options();
-        options->struct_size = static_cast<uint32_t>(size);
-    });
+    return init_struct(options, size, default_fit_options(), "give sizeof(votess_fit_options)");
 }
 
 votess_status votess_fit_volumes(const double* points, size_t count, const double* targets,
@@ -92,11 +82,9 @@ votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stat
 }
 
 votess_status votess_fit_result(const votess_fit* fit, votess_result** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(fit, "fit");
         if (!fit->converged) refuse("fit did not converge: it has weights and no result");
-        *out = new votess_result{fit->fit.tessellation};
+        return votess_result{fit->fit.tessellation};
     });
 }

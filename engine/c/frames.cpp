@@ -98,7 +98,7 @@ votess_status votess_frames_get_export(votess_frames* frames, votess_frames_expo
         require(out, "out");
         require(frames, "frames");
         require_struct_size(out->struct_size, sizeof *out, "out.struct_size", "set it to sizeof(votess_frames_export)");
-        const votess::ExportedArrays found = frames->frames.exported();
+        const votess::detail::ExportedArrays found = frames->frames.exported();
         out->memory_descriptor = found.memory_descriptor;
         out->semaphore_descriptor = found.semaphore_descriptor;
         out->memory_bytes = found.memory_bytes;

@@ -3,8 +3,10 @@
 
 #include <votess/votess.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
 #include <limits>
 #include <new>
@@ -129,6 +131,21 @@ VOTESS_API void write_report(const VerifyReport& report, const ReportOut& out);
 
 VOTESS_API void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy);
 
+// Returns a struct of a caller; members that its struct_size leaves out are those of `all`.
+template <typename Struct>
+[[nodiscard]] Struct read_struct(const Struct& given, const char* name, const char* remedy,
+                                 std::size_t smallest = sizeof(Struct), Struct all = {}) {
+    require_struct_size(given.struct_size, smallest, name, remedy);
+    std::memcpy(&all, &given, std::min<std::size_t>(given.struct_size, sizeof all));
+    return all;
+}
+
+// Fills a struct of a caller up to its struct_size, which stays.
+template <typename Struct>
+void write_struct(Struct from, Struct& to) {
+    from.struct_size = to.struct_size;
+    std::memcpy(&to, &from, std::min<std::size_t>(to.struct_size, sizeof from));
+}
 // bits: VOTESS_WANT_*. name: for messages.
 [[nodiscard]] Want convert_want(std::uint32_t bits, const std::string& name);
 // given: NULL for the defaults. count: length of weights and radii.
@@ -178,6 +195,12 @@ inline std::vector<double> rows_of(const std::vector<Wall>& walls) {
     return rows;
 }
 
+// Those of a result.
+inline std::span<const double> points_of(const votess_result* result, const double* points, std::size_t count) {
+    require(result, "result");
+    return coordinates(points, count, "points", "count", dimensions_of(result->tessellation));
+}
+
 // Those of queries, which have the dimensions of the seeds.
 inline std::span<const double> queries_of(const votess_diagram& diagram, const double* queries, std::size_t count,
                                           const char* name = "queries") {
@@ -223,6 +246,18 @@ votess_status guarded(Function&& function) noexcept {
         set_internal_error("an exception of unknown type");
         return VOTESS_ERROR_INTERNAL;
     }
+}
+
+// Fills a struct of options, of the size that the caller compiled, with the defaults.
+template <typename Struct>
+votess_status init_struct(Struct* options, std::size_t size, const Struct& defaults, const char* remedy,
+                          std::size_t smallest = sizeof(Struct)) noexcept {
+    return guarded([&] {
+        require(options, "options");
+        require_struct_size(size, smallest, "size", remedy);
+        options->struct_size = static_cast<std::uint32_t>(std::min(size, sizeof defaults));
+        write_struct(defaults, *options);
+    });
 }
 
 // Makes a handle: *out = make(), or NULL after an error.

@@ -16,13 +16,11 @@ votess::Density votess::c::density_of(const double* values, const size_t shape[3
 
 votess_status votess_masses_new(const votess_result* result, const double* density, const size_t shape[3],
                                 uint32_t threads, votess_masses** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(result, "result");
         require(shape, "shape");
         const votess::Tessellation& t = result->tessellation;
-        *out = new votess_masses{votess::masses(t, density_of(density, shape), threads), dimensions_of(t)};
+        return votess_masses{votess::masses(t, density_of(density, shape), threads), dimensions_of(t)};
     });
 }
 

@@ -2,7 +2,6 @@
 #include <votess/mpi.h>
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 #include <votess/mpi.hpp>
 
@@ -113,7 +112,7 @@ votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi
         const votess_mpi_counts c_counts{size,         counts.rounds,     counts.seeds,      counts.largest_block,
                                          counts.given, counts.needed,     counts.tested,     counts.questions,
                                          counts.bytes, counts.box_volume, counts.volume_sum, counts.exact_cells};
-        std::memcpy(out, &c_counts, std::min<std::size_t>(size, sizeof c_counts));
+        write_struct(c_counts, *out);
     });
 }
 

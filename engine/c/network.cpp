@@ -8,10 +8,8 @@ using namespace votess::c;
 votess_status votess_network_new(const votess_result* result, const double* points, size_t count,
                                  votess_network** out) {
     return create(out, [&] {
-        require(result, "result");
-        const std::size_t dimensions = dimensions_of(result->tessellation);
-        const auto input = coordinates(points, count, "points", "count", dimensions);
-        return votess_network{votess::network(result->tessellation, input), dimensions};
+        const auto input = points_of(result, points, count);
+        return votess_network{votess::network(result->tessellation, input), dimensions_of(result->tessellation)};
     });
 }
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "c/handles.hpp"
 #include "input/each_option.hpp"
@@ -57,7 +56,6 @@ void assign(To& to, From from) {
 votess_options default_options() {
     const Options defaults;
     votess_options options{};
-    options.struct_size = sizeof(votess_options);
     options.want = bits_of(defaults.want);
     std::ranges::fill(options.cell_periodic, 1);
     each_option([&](auto, auto member, auto c_member, auto) { assign(options.*c_member, defaults.*member); });
@@ -118,11 +116,8 @@ Want convert_want(std::uint32_t bits, const std::string& name) {
 
 Options convert_options(const votess_options* given, std::size_t count) {
     if (given == nullptr) return {};
-    require_struct_size(given->struct_size, first_options_size, "options.struct_size",
-                        "call votess_options_init first");
-    votess_options c_options = default_options();
-    std::memcpy(&c_options, given, std::min<std::size_t>(given->struct_size, sizeof c_options));
-
+    const votess_options c_options = read_struct(*given, "options.struct_size", "call votess_options_init first",
+                                                 first_options_size, default_options());
     Options options;
     options.want = convert_want(c_options.want, "options.want");
     convert_domain(c_options, count, options);
@@ -145,13 +140,7 @@ size_t votess_sizeof_options(void) {
 }
 
 votess_status votess_options_init(votess_options* options, size_t size) {
-    return guarded([&] {
-        require(options, "options");
-        require_struct_size(size, first_options_size, "size", "give sizeof(votess_options)");
-        votess_options defaults = default_options();
-        defaults.struct_size = static_cast<std::uint32_t>(std::min(size, sizeof defaults));
-        std::memcpy(options, &defaults, defaults.struct_size);
-    });
+    return init_struct(options, size, default_options(), "give sizeof(votess_options)", first_options_size);
 }
 
 votess_status votess_want_of(const char* names, uint32_t* want) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <votess/picture.hpp>
 
 #include "c/handles.hpp"
@@ -19,7 +18,6 @@ static_assert(same(0, votess::Cut::corner) && same(3, votess::Cut::none) && same
 votess_picture_options defaults() {
     const votess::PictureOptions start;
     votess_picture_options options{};
-    options.struct_size = sizeof options;
     options.width = start.width;
     options.height = start.height;
     std::ranges::fill(options.range, std::nan(""));
@@ -42,12 +40,9 @@ Enum word(int32_t number, Enum last, const char* name) {
 }
 
 votess::PictureOptions convert(const votess_picture_options* given) {
-    votess_picture_options all = defaults();
-    if (given != nullptr) {
-        require_struct_size(given->struct_size, sizeof all, "options.struct_size",
-                            "call votess_picture_options_init first");
-        std::memcpy(&all, given, sizeof all);
-    }
+    const votess_picture_options all =
+        given == nullptr ? defaults()
+                         : read_struct(*given, "options.struct_size", "call votess_picture_options_init first");
     require_array(all.values, all.value_count, "options.values", "options.value_count");
     votess::PictureOptions options;
     options.width = all.width;
@@ -86,19 +81,13 @@ void check_size(const votess::PictureOptions& look, const uint8_t* pixels, size_
 }  // namespace
 
 votess_status votess_picture_options_init(votess_picture_options* options, size_t size) {
-    return guarded([&] {
-        require(options, "options");
-        require_struct_size(size, sizeof(votess_picture_options), "size", "give sizeof(votess_picture_options)");
-        *options = defaults();
-        options->struct_size = static_cast<uint32_t>(size);
-    });
+    return init_struct(options, size, defaults(), "give sizeof(votess_picture_options)");
 }
 
 votess_status votess_render(const votess_result* result, const double* points, size_t count,
                             const votess_picture_options* options, uint8_t* pixels, size_t size, uint64_t* left_out) {
     return guarded([&] {
-        require(result, "result");
-        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
+        const auto input = points_of(result, points, count);
         const votess::PictureOptions look = convert(options);
         check_size(look, pixels, size);
         const votess::Picture picture = votess::render(result->tessellation, input, look);

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 
 #include "c/handles.hpp"
@@ -132,7 +131,6 @@ void votess::c::check_stats(const votess_stats& out) {
 
 void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {
     votess_stats c_stats{};
-    c_stats.struct_size = out.struct_size;
     c_stats.threads = stats.threads;
     c_stats.points = stats.points;
     c_stats.faces = stats.faces;
@@ -163,7 +161,7 @@ void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {
     c_stats.seconds_total = stats.seconds.total;
     copy_text(stats.device, c_stats.device, sizeof c_stats.device);
     c_stats.precision = static_cast<std::int32_t>(stats.precision);
-    std::memcpy(&out, &c_stats, std::min<std::size_t>(out.struct_size, sizeof c_stats));
+    write_struct(c_stats, out);
 }
 
 votess_status votess_result_stats(const votess_result* result, votess_stats* out) {

@@ -2,7 +2,6 @@
 #include <votess/stream.h>
 
 #include <algorithm>
-#include <cstring>
 #include <type_traits>
 #include <votess/stream.hpp>
 
@@ -82,35 +81,32 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
                                        votess_stream_counts* counts, votess_stats* stats) {
     return guarded([&] {
         require(stream, "stream");
-        require_struct_size(stream->struct_size, first_stream_size, "stream.struct_size",
-                            "set it to sizeof(votess_stream)");
-        if (stream->next == nullptr || stream->rows == nullptr) refuse("stream.next or stream.rows is NULL");
+        const votess_stream given =
+            read_struct(*stream, "stream.struct_size", "set it to sizeof(votess_stream)", first_stream_size);
+        if (given.next == nullptr || given.rows == nullptr) refuse("stream.next or stream.rows is NULL");
         if (counts != nullptr)
             require_struct_size(counts->struct_size, first_counts_size, "counts.struct_size",
                                 "set it to sizeof(votess_stream_counts)");
         if (options != nullptr && (options->weights != nullptr || options->radii != nullptr))
             refuse("options.weights or options.radii is set: a stream gets them with its seeds, leave both NULL");
         if (stats != nullptr) check_stats(*stats);
-        if (stream->verify != 0 && stream->verify != 1)
-            refuse("stream.verify is " + std::to_string(stream->verify) + ": give 0 or 1");
-        if (stream->verify == 1 && (counts == nullptr || counts->struct_size < sizeof(votess_stream_counts)))
+        for (const auto& [name, flag] : {std::pair("verify", given.verify), std::pair("hull", given.hull)})
+            if (flag != 0 && flag != 1)
+                refuse("stream." + std::string(name) + " is " + std::to_string(flag) + ": give 0 or 1");
+        if (given.verify == 1 && (counts == nullptr || counts->struct_size < sizeof(votess_stream_counts)))
             refuse(
                 "stream.verify needs counts for its report: give counts of struct_size sizeof(votess_stream_counts)");
         const votess::Options converted = convert_options(options, 0);
-        const bool has_hull = stream->struct_size >= offsetof(votess_stream, hull) + sizeof stream->hull;
-        if (has_hull && stream->hull != 0 && stream->hull != 1)
-            refuse("stream.hull is " + std::to_string(stream->hull) + ": give 0 or 1");
-        Source source(*stream, dimensions_of(converted));
-        Sink sink(*stream);
+        Source source(given, dimensions_of(converted));
+        Sink sink(given);
         const votess::StreamResult result =
             votess::tessellate_stream(source, sink, converted,
-                                      {.memory = stream->memory,
-                                       .temporary = stream->temporary == nullptr ? "" : stream->temporary,
-                                       .verify = stream->verify == 1,
-                                       .hull = has_hull && stream->hull == 1});
+                                      {.memory = given.memory,
+                                       .temporary = given.temporary == nullptr ? "" : given.temporary,
+                                       .verify = given.verify == 1,
+                                       .hull = given.hull == 1});
         if (counts != nullptr) {
             votess_stream_counts c_counts{};
-            c_counts.struct_size = counts->struct_size;
             c_counts.blocks = result.blocks;
             c_counts.largest_block = result.largest_block;
             c_counts.asked_cells = result.asked_cells;
@@ -123,7 +119,7 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
                 c_counts.passed = passed;
                 c_counts.sampled = sampled;
             }
-            std::memcpy(counts, &c_counts, std::min<std::size_t>(counts->struct_size, sizeof c_counts));
+            write_struct(c_counts, *counts);
         }
         if (stats != nullptr) write_stats(result.stats, *stats);
     });

@@ -1,7 +1,6 @@
 // Cells on a surface.
 #include <votess/surface.h>
 
-#include <cstring>
 #include <votess/surface.hpp>
 
 #include "c/handles.hpp"
@@ -17,12 +16,9 @@ votess_status votess_surface_new(const double* points, size_t count, const doubl
                                  const int32_t* triangles, size_t triangle_count, const votess_surface_options* options,
                                  votess_surface** out) {
     return create(out, [&] {
-        votess_surface_options all{};
-        if (options != nullptr) {
-            require_struct_size(options->struct_size, sizeof all, "surface_options.struct_size",
-                                "set it to sizeof(votess_surface_options)");
-            std::memcpy(&all, options, sizeof all);
-        }
+        const votess_surface_options all = options == nullptr ? votess_surface_options{}
+                                                              : read_struct(*options, "surface_options.struct_size",
+                                                                            "set it to sizeof(votess_surface_options)");
         votess::TriangleMesh mesh;
         mesh.vertices = coordinates(vertices, vertex_count, "vertices", "vertex_count");
         mesh.triangles = coordinates(triangles, triangle_count, "triangles", "triangle_count");

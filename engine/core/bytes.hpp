@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <span>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -15,12 +16,22 @@ namespace votess {
 // message need not be sent.
 using Message = std::vector<std::byte>;
 
+// A structure has a static function parts(), which returns references to its values as a tuple.
+template <class T>
+concept HasParts = requires(T& value) {
+    T::parts(value);
+};
+
 class Writer {
 public:
     template <class T>
     void put(const T& value) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        append(std::span(&value, 1));
+        if constexpr (HasParts<T>) {
+            std::apply([this](const auto&... part) { (put(part), ...); }, T::parts(value));
+        } else {
+            static_assert(std::is_trivially_copyable_v<T>);
+            append(std::span(&value, 1));
+        }
     }
     template <class T>
     void put(const std::vector<T>& values) {
@@ -47,8 +58,12 @@ public:
 
     template <class T>
     void get(T& value) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        std::memcpy(&value, take(sizeof(T)), sizeof(T));
+        if constexpr (HasParts<T>) {
+            std::apply([this](auto&... part) { (get(part), ...); }, T::parts(value));
+        } else {
+            static_assert(std::is_trivially_copyable_v<T>);
+            std::memcpy(&value, take(sizeof(T)), sizeof(T));
+        }
     }
     template <class T>
     void get(std::vector<T>& values) {
@@ -75,6 +90,27 @@ private:
     }
     std::span<const std::byte> bytes_;
 };
+
+template <class... T>
+Message message_of(const T&... values) {
+    Writer writer;
+    (writer.put(values), ...);
+    return writer.take();
+}
+// Reads the values of message_of(). Keeps them when the message is empty.
+template <class... T>
+void read_message(const Message& message, T&... values) {
+    if (message.empty()) return;
+    Reader reader(message);
+    (reader.get(values), ...);
+    reader.end();
+}
+
+// No elements make an empty message.
+template <class T>
+Message to_message(const T& value) {
+    return value.size() == 0 ? Message{} : message_of(value);
+}
 
 // One array as a message, without its length.
 template <class T>

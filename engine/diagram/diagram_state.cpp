@@ -276,7 +276,7 @@ std::vector<double> in_space(const DiagramState& state, std::span<const double> 
         refuse(std::string(name) + " hold " + std::to_string(vectors.size()) + " coordinates, not a multiple of " + n +
                ": the shape must be (Q," + n + ")");
     }
-    return components == 2 ? in_sheet(vectors) : std::vector<double>(vectors.begin(), vectors.end());
+    return components == 2 ? in_sheet({vectors, {}}) : std::vector<double>(vectors.begin(), vectors.end());
 }
 
 Queries check_queries(const DiagramState& state, std::vector<double> x, std::span<const double> weights,

@@ -12,12 +12,8 @@ namespace {
 
 using exact::Point;
 
-Vector3 to_point(const Point& from, const Point& to) {
-    return minus(to, from);
-}
-
 double squared(const Vector3& x) {
-    return x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    return dot(x, x);
 }
 
 // Orders places by their score, then by their coordinates.
@@ -57,14 +53,14 @@ bool Hull::begin() {
     if (points_.empty()) return false;
     const auto at = [this](std::int32_t i) -> const Point& { return points_[static_cast<std::size_t>(i)]; };
     const std::int32_t a = highest([](const Point&) { return 0.0; });
-    const std::int32_t b = highest([&](const Point& x) { return squared(to_point(at(a), x)); });
-    const Vector3 edge = to_point(at(a), at(b));
+    const std::int32_t b = highest([&](const Point& x) { return squared(minus(x, at(a))); });
+    const Vector3 edge = minus(at(b), at(a));
     const auto is_beside = [&](const Point& x) { return exact::triangle_normal(at(a), at(b), x).n != Point{}; };
-    std::int32_t c = highest([&](const Point& x) { return squared(cross(edge, to_point(at(a), x))); });
+    std::int32_t c = highest([&](const Point& x) { return squared(cross(edge, minus(x, at(a)))); });
     if (!is_beside(at(c))) c = highest([&](const Point& x) { return is_beside(x) ? 1.0 : 0.0; });
     const Vector3 normal = exact::triangle_normal(at(a), at(b), at(c)).n;
     const auto is_above = [&](const Point& x) { return exact::orient(at(a), at(b), at(c), x) != 0; };
-    std::int32_t d = highest([&](const Point& x) { return std::abs(dot(normal, to_point(at(a), x))); });
+    std::int32_t d = highest([&](const Point& x) { return std::abs(dot(normal, minus(x, at(a)))); });
     if (!is_above(at(d))) d = highest([&](const Point& x) { return is_above(x) ? 1.0 : 0.0; });
     const int side = exact::orient(at(a), at(b), at(c), at(d));
     if (side == 0) return false;
@@ -101,11 +97,11 @@ void Hull::assign(std::int32_t point, std::size_t first_triangle) {
 std::int32_t Hull::take_farthest(Triangle& triangle) {
     const auto at = [this](std::int32_t i) -> const Point& { return points_[static_cast<std::size_t>(i)]; };
     const auto& [a, b, c] = triangle.vertex;
-    const Vector3 normal = cross(to_point(at(a), at(b)), to_point(at(a), at(c)));
+    const Vector3 normal = cross(minus(at(b), at(a)), minus(at(c), at(a)));
     std::int32_t* best = &triangle.first;
     Ranked top{-1, {}};
     for (std::int32_t* link = &triangle.first; *link != none; link = &next_[static_cast<std::size_t>(*link)]) {
-        const Ranked found{std::abs(dot(normal, to_point(at(a), at(*link)))), at(*link)};
+        const Ranked found{std::abs(dot(normal, minus(at(*link), at(a)))), at(*link)};
         if (found > top) top = found, best = link;
     }
     const std::int32_t point = *best;

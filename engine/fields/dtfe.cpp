@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "core/box.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
@@ -143,11 +144,7 @@ private:
         }
     }
 
-    // At the scale of the job.
-    [[nodiscard]] exact::Point point(std::size_t i) const {
-        return {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale,
-                job_.points[3 * i + 2] * job_.scale};
-    }
+    [[nodiscard]] exact::Point point(std::size_t i) const { return point_of(job_.points, i, job_.scale); }
     [[nodiscard]] bool is_in_box(std::size_t i) const {
         if (job_.domain->triclinic) return inside_walls(*job_.domain, point(i));
         for (std::size_t k = 0; k < 3; ++k) {

@@ -36,15 +36,29 @@ double tetrahedron(const std::array<Vector, 3>& x) {
     return dot(x[0], cross(x[1], x[2])) / 6;
 }
 
-class Cells final : public Carrier {
+// Bodies that carry the values of a seed, by their volume.
+class CarrierOfSeeds : public Carrier {
+public:
+    void add(std::size_t cell, const ConvexPiece::Measure& part) final {
+        const double volume = part.volume * volume_;
+        const std::size_t columns = task_.columns;
+        for (std::size_t c = 0; c < columns; ++c)
+            task_.grid[cell * columns + c] += volume * task_.values[seed_ * columns + c];
+    }
+
+protected:
+    explicit CarrierOfSeeds(const Task& task) : task_(task) {}
+
+    const Task& task_;
+    // Of the body loaded last.
+    std::size_t seed_ = 0;
+    double volume_ = 0;  // in grid cells
+};
+
+class Cells final : public CarrierOfSeeds {
 public:
     Cells(const Task& task, const Tessellation& t)
-        : t_(t),
-          values_(task.values),
-          columns_(task.columns),
-          size_(task.frame.cell_size()),
-          grid_(task.grid),
-          polygons_(t, task.frame) {}
+        : CarrierOfSeeds(task), t_(t), size_(task.frame.cell_size()), polygons_(t, task.frame) {}
 
     bool load(std::size_t seed, Body& body) override {
         if (!polygons_.load(seed)) return false;
@@ -58,34 +72,19 @@ public:
         return true;
     }
 
-    void add(std::size_t cell, const ConvexPiece::Measure& part) override {
-        const double volume = part.volume * volume_;
-        for (std::size_t c = 0; c < columns_; ++c) grid_[cell * columns_ + c] += volume * values_[seed_ * columns_ + c];
-    }
-
 private:
+    // The volume of a tiny cell has more digits than the polyhedron of its rounded vertices, which only says where it
+    // lies.
     const Tessellation& t_;
-    std::span<const double> values_;
-    std::size_t columns_;
     Size size_;  // of a grid cell
-    std::span<double> grid_;
     CellPolygons polygons_;
-    // The cell loaded last. The volume of a tiny one has more digits than the polyhedron of its rounded vertices, which
-    // only says where it lies.
-    std::size_t seed_ = 0;
-    double volume_ = 0;  // in grid cells
 };
 
 // The pieces of cells: tetrahedra from the first vertex of a piece over its triangles, with their signs.
-class PiecesOfCells final : public Carrier {
+class PiecesOfCells final : public CarrierOfSeeds {
 public:
     PiecesOfCells(const Task& task, const Pieces& pieces, std::span<const Base> bases)
-        : pieces_(pieces),
-          bases_(bases),
-          values_(task.values),
-          columns_(task.columns),
-          frame_(task.frame),
-          grid_(task.grid) {}
+        : CarrierOfSeeds(task), pieces_(pieces), bases_(bases), frame_(task.frame) {}
 
     bool load(std::size_t number, Body& body) override {
         const Base& base = bases_[number];
@@ -105,21 +104,10 @@ public:
         return true;
     }
 
-    void add(std::size_t cell, const ConvexPiece::Measure& part) override {
-        const double volume = part.volume * volume_;
-        for (std::size_t c = 0; c < columns_; ++c) grid_[cell * columns_ + c] += volume * values_[seed_ * columns_ + c];
-    }
-
 private:
     const Pieces& pieces_;
     std::span<const Base> bases_;
-    std::span<const double> values_;
-    std::size_t columns_;
     const Frame& frame_;
-    std::span<double> grid_;
-    // Of the tetrahedron loaded last.
-    std::size_t seed_ = 0;
-    double volume_ = 0;  // in grid cells
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "core/at.hpp"
 #include "files/shared_mesh.hpp"
 
 namespace votess::files {
@@ -16,10 +17,6 @@ struct Edge {
     std::int32_t kept, dropped;
     friend auto operator<=>(const Edge&, const Edge&) = default;
 };
-
-std::size_t at(std::int32_t index) {
-    return static_cast<std::size_t>(index);
-}
 
 class Collapser {
 public:

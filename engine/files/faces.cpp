@@ -38,12 +38,6 @@ void put_vertices(const Mesh& mesh, std::string_view prefix, ByteSink& out) {
     }
 }
 
-template <class Number>
-void put_word(ByteSink& out, Number number) {
-    out.put(" ");
-    out.put_number(number);
-}
-
 }  // namespace
 
 // Text, and faces that ascend by their number of corners, because readers differ: trimesh expects binary lists of one
@@ -74,11 +68,11 @@ void write_ply(const Mesh& mesh, ByteSink& out) {
     put_vertices(mesh, "", out);
     const auto put_face = [&](const Face& face, std::span<const std::int32_t> corners) {
         out.put_number(corners.size());
-        for (const std::int32_t corner : corners) put_word(out, corner);
-        put_word(out, face.cell);
-        put_word(out, mesh.indices[face.entry]);
+        for (const std::int32_t corner : corners) put_next(out, corner);
+        put_next(out, face.cell);
+        put_next(out, mesh.indices[face.entry]);
         if (colored)
-            for (const std::uint8_t part : mesh.colors.subspan(3 * face.cell, 3)) put_word(out, unsigned{part});
+            for (const std::uint8_t part : mesh.colors.subspan(3 * face.cell, 3)) put_next(out, unsigned{part});
         out.put("\n");
     };
     for (const Face& face : faces) {
@@ -97,7 +91,7 @@ void write_obj(const Mesh& mesh, ByteSink& out) {
     put_vertices(mesh, "v ", out);
     for (const Face& face : faces_once(mesh)) {
         out.put("f");
-        for (const std::int32_t corner : mesh.polygon(face.entry)) put_word(out, std::int64_t{corner} + 1);
+        for (const std::int32_t corner : mesh.polygon(face.entry)) put_next(out, std::int64_t{corner} + 1);
         out.put("\n");
     }
 }

@@ -382,20 +382,12 @@ void GpuEngine::finish(detail::Result& result) {
     result.stats.fallback_reasons = pending_.reasons();
     result.stats.precision = device_clips_ && !lists_only_ ? job_.precision : Precision::double_;
     clipper_.end();
-    check_messages();
+    device_->instance().check_messages();
     progress_.report(1);
     parts_.reset();
     periodic_.reset();
     part_ = {};
     job_ = {};
-}
-
-// Messages of the validation layer are bugs, whatever the result.
-void GpuEngine::check_messages() {
-    const auto messages = device_->instance().take_messages();
-    if (!messages.empty())
-        throw Error(ErrorCode::internal, "Vulkan validation found " + std::to_string(messages.size()) +
-                                             " problems, the first: " + messages.front());
 }
 
 }  // namespace votess::gpu

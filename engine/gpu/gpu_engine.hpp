@@ -83,8 +83,6 @@ private:
     }
     [[nodiscard]] double progress_now() const { return clipping.at(done_cells_, job_.points.count()); }
     void finish(detail::Result& result);
-    void check_messages();
-
     std::shared_ptr<vulkan::Device> device_;
     vulkan::Memory memory_;
     ExactClipper& clipper_;

@@ -315,10 +315,7 @@ void keep_outside_box(Job& job, const Domain& domain) {
             const double x = job.points[3 * i + k];
             beyond = beyond || (!domain.periodic[k] && !(x >= job.box.lower[k] && x <= job.box.upper[k]));
         }
-        if (beyond)
-            keep_seed(job, i,
-                      scaled(exact::Point{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}, job.scale),
-                      largest);
+        if (beyond) keep_seed(job, i, point_of(job.points, i, job.scale), largest);
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -51,37 +52,13 @@ struct Seeds {
         return out;
     }
 
-    void put_to(Writer& writer) const {
-        writer.put(ids);
-        writer.put(points);
-        writer.put(weights);
-        writer.put(tags);
-    }
-    void get_from(Reader& reader) {
-        reader.get(ids);
-        reader.get(points);
-        reader.get(weights);
-        reader.get(tags);
-    }
+    static auto parts(auto& seeds) { return std::tie(seeds.ids, seeds.points, seeds.weights, seeds.tags); }
 };
 
 // Returns the place of an id among ascending ones, or their number where it is not there.
 inline std::size_t place_of(std::int64_t id, std::span<const std::int64_t> ids) {
     const auto at = std::ranges::lower_bound(ids, id);
     return at != ids.end() && *at == id ? static_cast<std::size_t>(at - ids.begin()) : ids.size();
-}
-
-// No seeds make an empty message.
-inline Message to_message(const Seeds& seeds) {
-    Writer writer;
-    if (seeds.size() > 0) seeds.put_to(writer);
-    return writer.take();
-}
-inline void from_message(const Message& message, Seeds& seeds) {
-    if (message.empty()) return;
-    Reader reader(message);
-    seeds.get_from(reader);
-    reader.end();
 }
 
 }  // namespace votess

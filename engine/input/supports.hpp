@@ -33,7 +33,6 @@ inline constexpr std::array support{
     Support{"picture", probed | subset | in_rings},
     Support{"verify", probed},
     Support{"watershed", probed | subset},
-    Support{"wrapped_points", probed},
 };
 
 // A row of the table, by its function. Another name does not compile.

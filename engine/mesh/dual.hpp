@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/at.hpp"
 #include "result/result.hpp"
 
 namespace votess {
@@ -20,10 +21,6 @@ struct Member {
     ByteShift shift;
     friend auto operator<=>(const Member&, const Member&) = default;
 };
-
-inline std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 // The first image of a vertex stands for all.
 inline std::size_t original(const detail::Result& r, std::int32_t vertex) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/arena.hpp"
+#include "core/box.hpp"
 #include "core/thread_pool.hpp"
 #include "input/job.hpp"
 #include "mesh/mesh_record.hpp"
@@ -96,7 +97,7 @@ private:
     std::uint32_t turn_by_distance(const Side& a, const Side& b, bool& clear) const;
     [[nodiscard]] std::optional<std::uint32_t> turn_by_edges(const Side& a, const Side& b,
                                                              const exact::Shift& shift) const;
-    [[nodiscard]] exact::Point point(std::size_t i) const;
+    [[nodiscard]] exact::Point point(std::size_t i) const { return point_of(job_.points, i, job_.scale); }
     [[nodiscard]] exact::Shift wrapped(std::size_t i) const;
     [[nodiscard]] exact::Plane plane(std::size_t i, const FaceLabel& label, const exact::Shift& shift) const;
     [[nodiscard]] std::optional<FaceLabel> label_across(const Side& side, std::uint32_t place) const;

@@ -148,10 +148,6 @@ std::optional<std::uint32_t> FaceMatcher::turn_by_edges(const Side& a, const Sid
     return std::nullopt;
 }
 
-exact::Point FaceMatcher::point(std::size_t i) const {
-    return {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale, job_.points[3 * i + 2] * job_.scale};
-}
-
 exact::Shift FaceMatcher::wrapped(std::size_t i) const {
     return job_.domain->is_periodic() ? wrap(*job_.domain, point(i)).value_or(exact::Shift{}) : exact::Shift{};
 }

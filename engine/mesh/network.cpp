@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/progress.hpp"
+#include "core/vector3.hpp"
 #include "input/domain_of_result.hpp"
 #include "input/option_name.hpp"
 #include "input/supports.hpp"
@@ -23,7 +24,7 @@ namespace votess {
 namespace {
 
 using detail::Result;
-using Vector = std::array<double, 3>;
+using Vector = Vector3;
 constexpr std::size_t cells_per_stop = 1024, vertices_per_stop = 8192,
                       comparisons_per_stop = 65536;  // after which the user may stop
 
@@ -34,17 +35,9 @@ Vector vector_at(std::span<const double> array, std::size_t i, std::size_t dimen
     return vector;
 }
 
-Vector difference(const Vector& a, const Vector& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // Returns the distance from the origin to the segment between two points.
 double distance_to_segment(const Vector& a, const Vector& b) {
-    const Vector along = difference(b, a);
+    const Vector along = minus(b, a);
     const double squared = dot(along, along);
     const double t = squared > 0 ? std::clamp(-dot(a, along) / squared, 0.0, 1.0) : 0.0;
     const Vector foot{std::lerp(a[0], b[0], t), std::lerp(a[1], b[1], t), std::lerp(a[2], b[2], t)};
@@ -121,7 +114,7 @@ struct Sphere {
 
 // Returns the distance from the segment between two points to a sphere.
 double distance_to_surface(const Vector& a, const Vector& b, const Sphere& sphere) {
-    return distance_to_segment(difference(a, sphere.center), difference(b, sphere.center)) - sphere.radius;
+    return distance_to_segment(minus(a, sphere.center), minus(b, sphere.center)) - sphere.radius;
 }
 
 class NetworkMaker {
@@ -209,7 +202,7 @@ private:
 
     [[nodiscard]] double radius(std::size_t i) const { return radii_.empty() ? 0 : radii_[i]; }
     [[nodiscard]] Vector from_seed(std::size_t i, std::span<const double> array, std::size_t k) const {
-        return difference(vector_at(array, k, dimensions_), vector_at(places_, i, dimensions_));
+        return minus(vector_at(array, k, dimensions_), vector_at(places_, i, dimensions_));
     }
     [[nodiscard]] Vector from_seed(std::size_t i, std::int32_t vertex) const {
         return from_seed(i, r_.vertices, at(vertex));

@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "core/vector3.hpp"
 #include "votess/picture.hpp"
 
 namespace votess::picture {
 
-using Vec3 = std::array<double, 3>;
+using Vec3 = Vector3;
 // Red, green, blue, opacity; red in the lowest byte. Components are sRGB.
 using Color = std::uint32_t;
 
@@ -67,11 +68,4 @@ struct Scene {
 [[nodiscard]] inline Vec3 operator*(double s, const Vec3& a) {
     return {s * a[0], s * a[1], s * a[2]};
 }
-[[nodiscard]] inline double dot(const Vec3& a, const Vec3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-[[nodiscard]] inline Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 }  // namespace votess::picture

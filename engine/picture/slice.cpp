@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/box.hpp"
+
 namespace votess::picture {
 namespace {
 
@@ -89,7 +91,7 @@ private:
 void add_seeds(const SliceJob& job, const Plane& plane, const Slice& slice, std::span<const char> met, double size,
                std::vector<Stroke>& out) {
     for (std::size_t i = 0; i < met.size(); ++i) {
-        const Vec3 p{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        const Vec3 p = point_of(job.points, i);
         // Only those whose own cell the plane cuts, the nearer the clearer.
         if (!met[i]) continue;
         const double away = std::abs(p[plane.axis] - slice.value) * plane.pixels / (8 * size);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/box.hpp"
+
 namespace votess::picture {
 namespace {
 
@@ -270,7 +272,7 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     std::vector<char> kept = job.shown.cells;
     if (job.options.cut == Cut::cells || job.whole_cells) {
         for (std::size_t i = 0; i < kept.size(); ++i) {
-            if (space.holds({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]})) kept[i] = 0;
+            if (space.holds(point_of(job.points, i))) kept[i] = 0;
         }
         space.planes.clear();
     }

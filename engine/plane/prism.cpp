@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "core/at.hpp"
 #include "core/box.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
@@ -21,10 +22,6 @@ constexpr std::int32_t sides_of_edge = 2;
 
 [[noreturn]] void refuse_mesh(const std::string& message) {
     refuse(option("mesh") + ": " + message);
-}
-
-std::size_t at(std::int32_t i) {
-    return static_cast<std::size_t>(i);
 }
 
 void check_shapes(const TriangleMesh& rings) {

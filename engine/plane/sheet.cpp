@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/arithmetic.hpp"
+#include "core/at.hpp"
 #include "input/default_box.hpp"
 #include "input/settle.hpp"
 #include "result/arrays.hpp"
@@ -21,10 +22,6 @@ using detail::Result;
 constexpr double relative_height = 0x1p-5;
 // Height of the prism of a mesh over that of the sheet. Its caps then lie beyond most cells.
 constexpr double relative_prism = 0x1p9;
-
-std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 // Returns the bounds of points of the plane, which may be any numbers.
 Box bounds_of_plane(const Points& points) {
@@ -78,13 +75,6 @@ void add_sheet_wants(Want& want, bool& list_walls) {
     want.faces |= want.vertices;
     want.areas |= want.surfaces;
     list_walls |= want.surfaces;
-}
-
-std::vector<double> in_sheet(std::span<const double> places) {
-    std::vector<double> lifted(places.size() / 2 * 3);
-    for (std::size_t i = 0; 2 * i < places.size(); ++i)
-        for (std::size_t k = 0; k < 2; ++k) lifted[3 * i + k] = places[2 * i + k];
-    return lifted;
 }
 
 Sheet::Sheet(Settled planar)

@@ -17,8 +17,6 @@
 
 namespace votess {
 
-// Returns places of the plane, (N, 2), in the sheet: (N, 3) with z = 0.
-[[nodiscard]] std::vector<double> in_sheet(std::span<const double> places);
 // Adds what a sheet needs for the wants of the plane.
 void add_sheet_wants(Want& want, bool& list_walls);
 // Turns the result of a sheet into that of the plane. wanted, list_walls: those of the plane, with all that they imply.

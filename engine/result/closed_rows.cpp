@@ -4,14 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/at.hpp"
 #include "core/box.hpp"
 
 namespace votess::detail {
 namespace {
-
-std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 std::span<const std::int32_t> row(std::span<const std::int64_t> offsets, std::span<const std::int32_t> values,
                                   std::size_t k) {

@@ -21,4 +21,14 @@ struct FrameRows {
     std::size_t unresolved = 0;  // cells that the device did not certify
 };
 
+// Arrays of frames in memory that another API maps, see votess_frames_export.
+struct ExportedArrays {
+    static constexpr std::uint64_t none = ~std::uint64_t{0};  // an array that was not requested
+    int memory_descriptor = -1, semaphore_descriptor = -1;    // the semaphore's is -1 where the device exports none
+    std::uint64_t memory_bytes = 0, max_entries = 0;
+    // Bytes from the start of the memory.
+    std::uint64_t points = none, weights = none, status = none, indptr = none, indices = none, shifts = none,
+                  face_areas = none, volumes = none, centroids = none;
+};
+
 }  // namespace votess::detail

@@ -186,7 +186,6 @@ Want implied_want(const Options& options) {
 }
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
-    require(t, "wrapped_points");
     // A subset does not know how many points there were.
     if (!t.is_subset()) require_finite_points(t, points, "wrapped_points");
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp

@@ -153,9 +153,10 @@ Frames::~Frames() {
 }
 
 std::string Frames::device() const {
-    const State& s = *state_;
-    return s.frames ? s.frames->device()->adapter().name + ": " + s.frames->plan().kernel()
-                    : s.exported->device().adapter().name + ": " + s.exported->plan().kernel();
+    const auto line = [](const auto& frames) {
+        return frames.device()->adapter().name + ": " + frames.plan().kernel();
+    };
+    return state_->frames ? line(*state_->frames) : line(*state_->exported);
 }
 
 template <class Real>
@@ -200,25 +201,9 @@ gpu::ExportedFrames& exported_of(std::optional<gpu::ExportedFrames>& frames) {
 
 }  // namespace
 
-ExportedArrays Frames::exported() {
+detail::ExportedArrays Frames::exported() {
     const State::Call call(*state_);
-    gpu::ExportedFrames& frames = exported_of(state_->exported);
-    const gpu::ExportedFrames::Places& at = frames.places();
-    ExportedArrays out;
-    out.memory_bytes = frames.memory_bytes();
-    out.max_entries = frames.plan().sizes().indices / 4;
-    out.points = at.points;
-    out.weights = at.weights;
-    out.status = at.status;
-    out.indptr = at.indptr;
-    out.indices = at.indices;
-    out.shifts = at.shifts;
-    out.face_areas = at.face_areas;
-    out.volumes = at.volumes;
-    out.centroids = at.centroids;
-    out.memory_descriptor = frames.memory_descriptor();
-    out.semaphore_descriptor = frames.semaphore_descriptor();
-    return out;
+    return exported_of(state_->exported).arrays();
 }
 
 void Frames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done) {
@@ -267,7 +252,7 @@ detail::FrameRows Frames::run(std::span<const float>, std::span<const double>) {
 detail::FrameRows Frames::resolve() {
     return {};
 }
-ExportedArrays Frames::exported() {
+detail::ExportedArrays Frames::exported() {
     return {};
 }
 void Frames::submit(std::uint32_t, std::uint64_t, std::uint64_t) {}

@@ -30,14 +30,6 @@ struct FramesSettings {
     bool wide = false;
 };
 
-// See votess_frames_export. Offsets are in bytes.
-struct ExportedArrays {
-    int memory_descriptor = -1, semaphore_descriptor = -1;
-    std::uint64_t memory_bytes = 0, max_entries = 0;
-    std::uint64_t points = 0, weights = 0, status = 0, indptr = 0, indices = 0, shifts = 0, face_areas = 0, volumes = 0,
-                  centroids = 0;
-};
-
 // One call at a time: a second one throws invalid_use, and so does each in a child of fork().
 class Frames {
 public:
@@ -57,7 +49,7 @@ public:
     [[nodiscard]] detail::FrameRows resolve();
 
     // For frames with a UUID, see votess/frames.h.
-    [[nodiscard]] ExportedArrays exported();
+    [[nodiscard]] detail::ExportedArrays exported();
     void submit(std::uint32_t count, std::uint64_t after, std::uint64_t done);
     void signal(std::uint64_t value);
     void wait(std::uint64_t value);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/arithmetic.hpp"
+#include "core/at.hpp"
 #include "core/errors.hpp"
 
 namespace votess::solid {
@@ -13,10 +14,6 @@ namespace {
 
 constexpr double equal_angles = 1e-12;
 constexpr std::size_t samples = 16;  // of the corners of a hole or cavity
-
-std::size_t at(std::int32_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 double length_of(const Vector3& x) {
     return length3(x[0], x[1], x[2]);

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/at.hpp"
 #include "core/box.hpp"
 #include "core/progress.hpp"
 #include "core/sum.hpp"
@@ -39,7 +40,6 @@ struct Edge {
 // Unites places that are at most `reach` apart. first[v]: the vertex whose place stands for that of v, the lowest.
 void join_near(const std::vector<exact::Point>& vertices, std::span<const std::int32_t> places, double reach,
                std::vector<std::int32_t>& first) {
-    const auto at = [](std::int32_t v) { return static_cast<std::size_t>(v); };
     const auto root = [&](std::int32_t v) {
         while (first[at(v)] != v) v = first[at(v)] = first[at(first[at(v)])];
         return v;

@@ -9,14 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "core/at.hpp"
 #include "solid/mesh_cells.hpp"
 
 namespace votess::solid {
 namespace {
-
-std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 struct OutlineEdge {
     std::int32_t from, to;

@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/at.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
@@ -37,10 +38,6 @@ using Id = std::int32_t;
 constexpr double of_size = 3e-5;            // rounding of files with 6 decimal digits, of the size of all
 constexpr double of_coordinates = 0x1p-22;  // rounding to float32
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(Id i) {
-    return static_cast<std::size_t>(i);
-}
 
 class PolygonCutter {
 public:

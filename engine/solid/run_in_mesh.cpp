@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/at.hpp"
 #include "core/box.hpp"
 #include "core/progress.hpp"
 #include "core/sum.hpp"
@@ -48,10 +49,6 @@ double sum_of(std::span<const double> values) {
     Sum sum;
     for (const double x : values) sum += x;
     return sum.value();
-}
-
-std::size_t to_index(std::int64_t i) {
-    return static_cast<std::size_t>(i);
 }
 
 // Cuts whole cells, in rows.
@@ -110,9 +107,9 @@ private:
     // Returns the entry of a neighbor by its id and shift, or no_entry.
     [[nodiscard]] std::size_t entry(std::size_t r, std::int32_t neighbor, const exact::Shift& shift) const {
         const auto ids = cells_->row(r);
-        const auto at = std::ranges::lower_bound(ids, neighbor);
-        std::size_t e = to_index(cells_->indptr[r]) + to_index(at - ids.begin());
-        for (; e < to_index(cells_->indptr[r + 1]) && cells_->indices[e] == neighbor; ++e)
+        const auto found = std::ranges::lower_bound(ids, neighbor);
+        std::size_t e = at(cells_->indptr[r]) + at(found - ids.begin());
+        for (; e < at(cells_->indptr[r + 1]) && cells_->indices[e] == neighbor; ++e)
             if (cells_->shift(e) == shift) return e;
         return no_entry;
     }
@@ -135,8 +132,8 @@ private:
     void find_images() {
         const Domain& domain = *job_.domain;
         const auto seeds = static_cast<std::int32_t>(cells_->seeds.size() / 3);
-        std::vector<exact::Shift> wraps(to_index(seeds));
-        for (std::int32_t i = 0; i < seeds; ++i) wraps[to_index(i)] = wrap(domain, place(i)).value_or(exact::Shift{});
+        std::vector<exact::Shift> wraps(at(seeds));
+        for (std::int32_t i = 0; i < seeds; ++i) wraps[at(i)] = wrap(domain, place(i)).value_or(exact::Shift{});
         if (std::ranges::any_of(wraps, [](const exact::Shift& shift) { return shift != exact::Shift{}; }))
             cells_->wraps = std::move(wraps);
         const Box& bounds = mesh_.placed();
@@ -249,7 +246,7 @@ private:
 
     // Cuts the images of a cell, and adds their measures.
     void cut_row(std::size_t r, CutCell& cell) {
-        const std::size_t begin = to_index(cells_->indptr[r]), end = to_index(cells_->indptr[r + 1]);
+        const std::size_t begin = at(cells_->indptr[r]), end = at(cells_->indptr[r + 1]);
         const double unscale = 1 / job_.scale, square = unscale * unscale;
         const auto [first, last] = cells_->images(r);
         std::vector<double> whole;  // areas
@@ -334,15 +331,15 @@ private:
                 const auto [r, image] = pending.back();
                 pending.pop_back();
                 const exact::Shift shift = cells_->image_shift(image);
-                for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
+                for (std::size_t e = at(cells_->indptr[r]); e < at(cells_->indptr[r + 1]); ++e) {
                     const std::int64_t other = row_of(cells_->indices[e]);
-                    if (other < 0 || plain_[to_index(other)] == 0) continue;
+                    if (other < 0 || plain_[at(other)] == 0) continue;
                     const std::size_t i =
-                        repeats ? image_of(to_index(other), MeshCells::sum(shift, cells_->shift(e))) : to_index(other);
+                        repeats ? image_of(at(other), MeshCells::sum(shift, cells_->shift(e))) : at(other);
                     if (i == no_entry || done[i] != 0) continue;
                     winding_[i] = winding_[image];
                     done[i] = 1;
-                    pending.push_back({to_index(other), i});
+                    pending.push_back({at(other), i});
                 }
             }
         };
@@ -365,7 +362,7 @@ private:
             result_.volumes[r] = sum == 0 ? 0 : sum * result_.volumes[r];  // which may be infinite
             empty_[r] = sheets == 0 ? 1 : 0;
             if (sheets == 1 || !has_areas_) continue;
-            for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e)
+            for (std::size_t e = at(cells_->indptr[r]); e < at(cells_->indptr[r + 1]); ++e)
                 result_.face_areas[e] *= sheets;
         }
     }
@@ -377,12 +374,12 @@ private:
         const auto task = [&](std::size_t index, unsigned worker) {
             for (std::size_t k = index * rows_per_task; k < std::min(rows(), (index + 1) * rows_per_task); ++k) {
                 check_stop();
-                const std::size_t r = order_[k], end = to_index(cells_->indptr[r + 1]);
+                const std::size_t r = order_[k], end = at(cells_->indptr[r + 1]);
                 bool decides = false;
-                for (std::size_t e = to_index(cells_->indptr[r]); e < end; ++e) {
+                for (std::size_t e = at(cells_->indptr[r]); e < end; ++e) {
                     if (dropped_[e] != unsure) continue;
                     const std::int64_t other = row_of(cells_->indices[e]);
-                    if (empty_[r] != 0 || (other >= 0 && empty_[to_index(other)] != 0)) dropped_[e] = 1;
+                    if (empty_[r] != 0 || (other >= 0 && empty_[at(other)] != 0)) dropped_[e] = 1;
                     decides |= dropped_[e] == unsure;
                 }
                 if (!decides) continue;
@@ -405,7 +402,7 @@ private:
                     found.emplace_back(e, face.area * square);
         }
         for (const auto& [e, area] : found) add_area(e, area);
-        for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e)
+        for (std::size_t e = at(cells_->indptr[r]); e < at(cells_->indptr[r + 1]); ++e)
             if (dropped_[e] == unsure) dropped_[e] = 1;
     }
 
@@ -414,13 +411,13 @@ private:
         auto& areas = result_.face_areas;
         for (std::size_t k = 0; has_areas_ && k < rows(); ++k) {
             const std::uint32_t r = order_[k];  // the rows of neighbors are then near in memory
-            for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
+            for (std::size_t e = at(cells_->indptr[r]); e < at(cells_->indptr[r + 1]); ++e) {
                 const std::int32_t seed = seed_of(r), neighbor = cells_->indices[e];
                 const exact::Shift shift = cells_->shift(e);
                 if (neighbor < seed || (neighbor == seed && shift < exact::Shift{})) continue;  // set from there
                 const std::int64_t other = row_of(neighbor);
                 if (other < 0 || dropped_[e] != 0) continue;
-                const std::size_t o = to_index(other), back = entry(o, seed, opposite(shift));
+                const std::size_t o = at(other), back = entry(o, seed, opposite(shift));
                 if (back == no_entry) continue;
                 const bool from_other = plain_[r] != 0 && plain_[o] == 0;
                 areas[from_other ? e : back] = areas[from_other ? back : e];
@@ -441,7 +438,7 @@ private:
         result_.stats.points = kept_;
         cells_->ids.resize(kept_);
         cells_->indptr.resize_uninitialized(kept_ + 1);
-        const std::size_t entries = to_index(cells_->indptr[kept_]);
+        const std::size_t entries = at(cells_->indptr[kept_]);
         cells_->indices.resize_uninitialized(entries);
         if (!cells_->shifts.empty()) cells_->shifts.resize_uninitialized(3 * entries);
         winding_.resize(images);
@@ -459,7 +456,7 @@ private:
         if (periodic) result_.shifts.resize_uninitialized(cells_->shifts.size());
         std::size_t out = 0;
         for (std::size_t r = 0; r < rows(); ++r) {
-            const auto begin = to_index(cells_->indptr[r]), end = to_index(cells_->indptr[r + 1]);
+            const auto begin = at(cells_->indptr[r]), end = at(cells_->indptr[r + 1]);
             const bool empty = empty_[r] != 0 || result_.status[r] != CellStatus::certified;
             if (empty && result_.status[r] == CellStatus::certified) {
                 result_.status[r] = CellStatus::empty;
@@ -534,10 +531,10 @@ std::vector<std::int64_t> with_neighbors(Settled part, const RunInBox& run) {
     std::vector<bool> listed(part.points.count());
     part.want = {.neighbors = true, .volumes = false};
     const Result rows = run(std::move(part));
-    for (const std::int64_t id : ids) listed[to_index(id)] = true;
+    for (const std::int64_t id : ids) listed[at(id)] = true;
     for (const std::int32_t id : rows.indices)
-        if (id >= 0 && !listed[to_index(id)]) {
-            listed[to_index(id)] = true;
+        if (id >= 0 && !listed[at(id)]) {
+            listed[at(id)] = true;
             ids.push_back(id);
         }
     return ids;
@@ -589,15 +586,15 @@ Result cut_probes(Result whole, std::span<const double> places, std::span<const 
     const auto first = static_cast<std::int32_t>(seeds.size());  // of the queries
     const auto cells = std::make_shared<MeshCells>(std::move(mesh));
     for (const std::int32_t seed : seeds)
-        for (std::size_t k = 0; k < 3; ++k) cells->seeds.push_back(job.points[3 * to_index(seed) + k] * job.scale);
+        for (std::size_t k = 0; k < 3; ++k) cells->seeds.push_back(job.points[3 * at(seed) + k] * job.scale);
     for (const double x : places) cells->seeds.push_back(x * job.scale);
     if (job.domain->has_weights()) {
-        for (const std::int32_t seed : seeds) cells->weights.push_back(job.domain->weights[to_index(seed)]);
+        for (const std::int32_t seed : seeds) cells->weights.push_back(job.domain->weights[at(seed)]);
         cells->weights.insert(cells->weights.end(), weights.begin(), weights.end());
-        cells->weights.resize(to_index(first) + count);
+        cells->weights.resize(at(first) + count);
     }
     for (std::size_t r = 0; r < count; ++r)
-        for (std::size_t e = to_index(whole.indptr[r]); e < to_index(whole.indptr[r + 1]); ++e) {
+        for (std::size_t e = at(whole.indptr[r]); e < at(whole.indptr[r + 1]); ++e) {
             std::int32_t& id = whole.indices[e];
             const auto at = std::ranges::lower_bound(seeds, id);
             id = at != seeds.end() && *at == id ? static_cast<std::int32_t>(at - seeds.begin())
@@ -618,7 +615,7 @@ Result cut_probes(Result whole, std::span<const double> places, std::span<const 
     Wanted of_cut;
     of_cut.want = with_implied(wanted);
     cells->names = std::move(seeds);
-    cells->names.resize(to_index(first) + count, *job.probes_of);
+    cells->names.resize(at(first) + count, *job.probes_of);
     Result result = MeshCut(cells, of_rows, of_cut, count).make(std::move(whole));
     for (std::int32_t& id : result.indices) id = cells->name(id);
     for (const std::size_t r : duplicates) result.status[r] = CellStatus::duplicate;

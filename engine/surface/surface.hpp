@@ -7,15 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "core/at.hpp"
 #include "core/vector3.hpp"
 #include "surface/seed_tree.hpp"
 #include "votess/surface.hpp"
 
 namespace votess::surface {
-
-[[nodiscard]] inline std::size_t at(std::int32_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 class Surface {
 public:

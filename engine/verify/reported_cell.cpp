@@ -57,20 +57,10 @@ struct Reply {
     std::vector<std::uint64_t> counts;
     Seeds seeds;
 
-    [[nodiscard]] Message message() const {
-        Writer writer;
-        writer.put(empty);
-        writer.put(counts);
-        seeds.put_to(writer);
-        return writer.take();
-    }
+    [[nodiscard]] Message message() const { return message_of(empty, counts, seeds); }
     static Reply of(const Message& message, std::size_t cells) {
         Reply reply;
-        Reader reader(message);
-        reader.get(reply.empty);
-        reader.get(reply.counts);
-        reply.seeds.get_from(reader);
-        reader.end();
+        read_message(message, reply.empty, reply.counts, reply.seeds);
         if (reply.counts.size() != cells || reply.empty.size() != cells)
             bug("a reply is about other cells than the request");
         return reply;
@@ -148,7 +138,7 @@ std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, st
     std::vector<std::size_t> own;
     for (const Message& request : requests) {
         Seeds cells;
-        from_message(request, cells);
+        read_message(request, cells);
         Reply reply;
         for (std::size_t c = 0; c < cells.size(); ++c) {
             const std::size_t place = place_of(cells.ids[c], block.ids);

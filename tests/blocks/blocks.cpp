@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "blocks/in_blocks.hpp"
+#include "distributed/blocks/messages.hpp"
 #include "fuzz/kinds/kinds.hpp"
 #include "input/settle.hpp"
 #include "support/check.hpp"
@@ -177,12 +178,8 @@ TEST_CASE("blocks: what is refused, and by which words") {
     options.box = box;
     const votess::BlockDomain domain(votess::settle(options), box, 2);
     const std::vector<double> points{0.1, 0.2, 0.3, 0.7, 0.6, 0.5}, outside{0.1, 0.2, 0.3, 0.7, 1.5, 0.5};
-    const std::vector<std::int64_t> ids{4, 9}, equal{4, 4};
     CHECK(message([&] { (void)domain.check(outside); }).starts_with("point 1: y = 1.5 is outside the box"));
     CHECK(message([&] { (void)domain.blocks_of(points); }) == "blocks_of() before split()");
-    CHECK(message([&] { votess::Block(domain, equal, points); }) ==
-          "ids of a block must ascend from 0 on: the one at 1 is 4");
-    CHECK(message([&] { votess::Block(domain, ids, std::span(points).first(3)); }).starts_with("ids, points, weights"));
     for (const unsigned what : {0u, 1u, 2u, 3u}) {
         votess::Options wrong = options;
         if (what == 0) wrong.want.faces = true;
@@ -191,11 +188,11 @@ TEST_CASE("blocks: what is refused, and by which words") {
         if (what == 3) wrong.device = "gpu";
         CHECK(message([&] { votess::BlockDomain(votess::settle(wrong), box, 2); }) != "nothing");
     }
-    votess::Block block(domain, ids, points);
-    votess::Message outline = block.outline();
+    const votess::blocks::LocalBlock block(domain.of_blocks(), {{4, 9}, points, {}, {}});
+    votess::Message outline = votess::to_message(block.outline().tiles);
     CHECK(!outline.empty());
     outline.pop_back();
-    CHECK(message([&] { (void)block.halo_for(outline); }) ==
+    CHECK(message([&] { (void)votess::blocks::read_outline(outline); }) ==
           "a message between blocks was not written by this version of votess");
-    CHECK(block.halo_for({}).empty());
+    CHECK(block.halo_for({}).size() == 0);
 }

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 
+#include "distributed/blocks/messages.hpp"
 #include "input/settle.hpp"
-
 namespace test {
 namespace {
 
@@ -41,52 +42,52 @@ InBlocks in_blocks(std::span<const double> given, const Options& options, std::s
     const std::vector<double> places = domain.places(kept);
     domain.split(places, count);
     const std::vector<std::uint32_t> of_seed = domain.blocks_of(places);
-    struct Own {
-        std::vector<std::int64_t> ids;
-        std::vector<double> points, weights;
-        std::vector<std::int32_t> tags;
-    };
-    std::vector<Own> own(count);
+    std::vector<Seeds> own(count);
     for (std::size_t s = 0; s < inside.size(); ++s) {
-        Own& to = own[of_seed[s]];
+        Seeds& to = own[of_seed[s]];
         const std::size_t i = inside[s];
-        to.ids.push_back(static_cast<std::int64_t>(i));
-        to.points.insert(to.points.end(), &points[3 * i], &points[3 * i] + 3);
+        to.add(static_cast<std::int64_t>(i), points, {}, i);
         to.tags.push_back(static_cast<std::int32_t>(i % 1000));
         if (!options.weights.empty()) to.weights.push_back(options.weights[i]);
         if (!options.radii.empty()) to.weights.push_back(options.radii[i] * options.radii[i]);
     }
-    std::vector<Block> all;
+    std::deque<blocks::LocalBlock> all;
     std::vector<Message> outlines;
-    for (const Own& seeds : own) {
-        all.emplace_back(domain, seeds.ids, seeds.points, seeds.weights, seeds.tags);
-        outlines.push_back(all.back().outline());
+    for (const Seeds& seeds : own) {
+        all.emplace_back(domain.of_blocks(), seeds);
+        outlines.push_back(to_message(summary_of(all.back().outline()).tiles));
     }
     for (std::size_t b = 0; b < count; ++b) {
-        std::vector<Message> halos(all.size());
-        for (std::size_t from = 0; from < count; ++from)
-            if (from != b) halos[from] = all[from].halo_for(outlines[b]);
-        all[b].clip(outlines, b, halos);
+        std::vector<blocks::Outline> others(count);
+        Seeds halo;
+        for (std::size_t from = 0; from < count; ++from) {
+            if (from == b) continue;
+            others[from] = blocks::read_outline(outlines[from]);
+            Seeds some;
+            read_halo(to_message(all[from].halo_for(blocks::read_outline(outlines[b])), all[from].outline()), some,
+                      others[from]);
+            halo.add(some);
+        }
+        all[b].clip(std::move(others), b, std::move(halo));
     }
     InBlocks result;
     result.seeds = inside.size();
     std::vector<BlockCells> cells;
     std::vector<Message> far;
     std::vector<std::vector<Message>> replies_to(count);
-    for (const Block& block : all) {
-        std::vector<Message> requests;
-        for (const Block& from : all)
-            requests.push_back(from.request_for(static_cast<std::size_t>(&block - all.data())));
-        const std::vector<Message> replies = block.reply(requests);
-        for (std::size_t b = 0; b < count; ++b) replies_to[b].push_back(replies[b]);
+    for (std::size_t b = 0; b < count; ++b) {
+        std::vector<blocks::Requests> requests(count);
+        for (std::size_t from = 0; from < count; ++from)
+            read_message(to_message(all[from].requests()[b]), requests[from]);
+        const std::vector<Seeds> replies = all[b].reply(requests);
+        for (std::size_t to = 0; to < count; ++to) replies_to[to].push_back(to_message(replies[to]));
     }
     for (std::size_t b = 0; b < count; ++b) {
-        const std::vector<Message>& replies = replies_to[b];
-        all[b].complete(replies);
-        if (domain.endless()) far.push_back(all[b].far());
+        all[b].complete(blocks::joined<Seeds>(replies_to[b]), domain);
+        if (domain.endless()) far.push_back(to_message(all[b].far()));
     }
-    for (Block& block : all) {
-        cells.push_back(block.finish(far));
+    for (blocks::LocalBlock& block : all) {
+        cells.push_back(block.finish(blocks::joined<blocks::FarCells>(far), domain));
         const BlockCounts& counts = block.counts();
         result.counts.given += counts.given;
         result.counts.needed += counts.needed;

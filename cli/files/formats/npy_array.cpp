@@ -12,6 +12,13 @@
 namespace clvotess {
 namespace {
 
+// Returns a shape as Python writes it.
+std::string text_of(std::span<const std::uint64_t> shape) {
+    std::string text = "(";
+    for (std::size_t k = 0; k < shape.size(); ++k) text += (k > 0 ? ", " : "") + std::to_string(shape[k]);
+    return text + (shape.size() == 1 ? ",)" : ")");
+}
+
 static_assert(std::endian::native == std::endian::little, "arrays are read without conversion");
 
 constexpr const char* ends_early = "the file ends too early";
@@ -43,9 +50,7 @@ Failure NpyArray::error(const std::string& message) const {
 }
 
 std::string NpyArray::shape_text() const {
-    std::string text = "(";
-    for (std::size_t k = 0; k < shape_.size(); ++k) text += (k > 0 ? ", " : "") + std::to_string(shape_[k]);
-    return text + (shape_.size() == 1 ? ",)" : ")");
+    return text_of(shape_);
 }
 
 void NpyArray::parse_header(std::string_view dict) {
@@ -223,8 +228,9 @@ std::vector<std::int64_t> NpyArray::read_whole() {
     return values;
 }
 
-std::string npy_header(std::string_view type, const std::string& shape) {
-    std::string dict = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': " + shape + ", }";
+std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape) {
+    std::string dict =
+        "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': " + text_of(shape) + ", }";
     constexpr std::size_t start_size = 10, alignment = 64;
     const std::size_t unpadded = start_size + dict.size() + 1;
     dict.append((alignment - unpadded % alignment) % alignment, ' ');

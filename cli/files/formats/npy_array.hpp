@@ -70,7 +70,7 @@ private:
     std::uint64_t done_ = 0;   // rows read by read_rows()
 };
 
-// Returns the header of an array in C order. type: such as "<i4"; shape: such as "(5,)".
-[[nodiscard]] std::string npy_header(std::string_view type, const std::string& shape);
+// Returns the header of an array in C order. type: such as "<i4".
+[[nodiscard]] std::string npy_header(std::string_view type, std::span<const std::uint64_t> shape);
 
 }  // namespace clvotess

@@ -5,7 +5,6 @@
 
 #include "core/box.hpp"
 #include "core/errors.hpp"
-#include "distributed/blocks/messages.hpp"
 #include "distributed/blocks/partition.hpp"
 #include "input/option_name.hpp"
 #include "input/settle.hpp"
@@ -24,12 +23,6 @@ struct BlockDomainState {
     std::optional<EndlessSides> ends;
     Job job;  // of blocks, without seeds
     std::optional<blocks::Partition> partition;
-};
-
-struct BlockState {
-    BlockState(const BlockDomain& whole, Seeds own) : domain(whole), block(domain.of_blocks(), std::move(own)) {}
-    BlockDomain domain;
-    blocks::LocalBlock block;
 };
 
 }  // namespace detail
@@ -178,108 +171,6 @@ CheckedRun checked_run(const BlockDomain& domain, std::uint64_t seeds, double vo
     run.thickness = domain.thickness();
     run.ends = EndlessSides(domain.in_space().region);
     return run;
-}
-
-Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
-             std::span<const double> weights, std::span<const std::int32_t> tags) {
-    const std::size_t count = ids.size();
-    if (points.size() != 3 * count || (!weights.empty() && weights.size() != count) ||
-        (!tags.empty() && tags.size() != count))
-        refuse("ids, points, weights and tags of a block differ in number: give " + std::to_string(count) +
-               " of each, and three times as many coordinates");
-    state_ = with_memory([&] {
-        Seeds own{{ids.begin(), ids.end()},
-                  {points.begin(), points.end()},
-                  {weights.begin(), weights.end()},
-                  {tags.begin(), tags.end()}};
-        for (std::size_t i = 0; i < count; ++i)
-            if (own.ids[i] < 0 || (i > 0 && own.ids[i] <= own.ids[i - 1]))
-                refuse("ids of a block must ascend from 0 on: the one at " + std::to_string(i) + " is " +
-                       std::to_string(own.ids[i]));
-        own.tags.resize(count, 0);
-        return std::make_unique<detail::BlockState>(domain, std::move(own));
-    });
-}
-
-Block::Block(Block&&) noexcept = default;
-Block& Block::operator=(Block&&) noexcept = default;
-Block::~Block() = default;
-
-Message Block::outline() const {
-    return with_memory([&] { return to_message(blocks::summary_of(state_->block.outline())); });
-}
-
-Message Block::halo_for(const Message& outline) const {
-    return with_memory([&] {
-        blocks::Outline other;
-        from_message(outline, other);
-        return to_message(state_->block.halo_for(other), state_->block.outline());
-    });
-}
-
-void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos) {
-    if (halos.size() != outlines.size() || own >= outlines.size())
-        refuse("clip() of a block needs an outline and a halo of each block, but got " +
-               std::to_string(outlines.size()) + " and " + std::to_string(halos.size()) + ", for block " +
-               std::to_string(own));
-    with_memory([&] {
-        std::vector<blocks::Outline> others(outlines.size());
-        Seeds all;
-        for (std::size_t b = 0; b < outlines.size(); ++b) {
-            if (b == own) continue;
-            from_message(outlines[b], others[b]);
-            Seeds halo;
-            from_message(halos[b], halo, others[b]);
-            all.add(halo);
-        }
-        state_->block.clip(std::move(others), own, std::move(all));
-    });
-}
-
-Message Block::request_for(std::size_t block) const {
-    return with_memory([&] { return to_message(state_->block.requests().at(block)); });
-}
-
-std::vector<Message> Block::reply(std::span<const Message> requests) const {
-    return with_memory([&] {
-        std::vector<blocks::Requests> all(requests.size());
-        for (std::size_t b = 0; b < all.size(); ++b) from_message(requests[b], all[b]);
-        std::vector<Message> replies;
-        for (const Seeds& seeds : state_->block.reply(all)) replies.push_back(to_message(seeds));
-        return replies;
-    });
-}
-
-void Block::complete(std::span<const Message> replies) {
-    with_memory([&] {
-        Seeds all;
-        for (const Message& reply : replies) {
-            Seeds seeds;
-            from_message(reply, seeds);
-            all.add(seeds);
-        }
-        state_->block.complete(all, state_->domain);
-    });
-}
-
-Message Block::far() const {
-    return with_memory([&] { return to_message(state_->block.far()); });
-}
-
-BlockCells Block::finish(std::span<const Message> far) {
-    return with_memory([&] {
-        blocks::FarCells all;
-        for (const Message& message : far) {
-            blocks::FarCells some;
-            from_message(message, some);
-            all.add(some);
-        }
-        return state_->block.finish(all, state_->domain);
-    });
-}
-
-const BlockCounts& Block::counts() const noexcept {
-    return state_->block.counts();
 }
 
 }  // namespace votess

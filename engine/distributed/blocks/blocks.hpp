@@ -4,9 +4,9 @@
 //
 //   1. BlockDomain, the same for all blocks, from a settled run and the bounds of all seeds; check() the seeds
 //   2. split(), the same for all blocks, from a sample of places; blocks_of() returns the block of each seed
-//   3. Block, with its seeds; send each outline() to all blocks
+//   3. LocalBlock, with its seeds; send the summary_of() each outline() to all blocks
 //   4. send halo_for() each outline to its block; clip() with all halos
-//   5. send request_for() each block to it, and its reply() to all requests back; complete() with all replies
+//   5. send requests() to their blocks, and the reply() to all requests back; complete() with all replies
 //   6. in a domain without end, send far() to all blocks; finish() with all of them, else without
 //
 // Points have three coordinates, in the plane z = 0. Cells are found on the CPU. want.vertices, want.faces, min_face,
@@ -29,7 +29,6 @@ namespace votess {
 
 namespace detail {
 struct BlockDomainState;
-struct BlockState;
 struct Result;
 }  // namespace detail
 
@@ -67,7 +66,6 @@ public:
     [[nodiscard]] std::vector<std::uint32_t> blocks_of(std::span<const double> places) const;
 
 private:
-    friend class Block;
     std::shared_ptr<detail::BlockDomainState> state_;
 };
 
@@ -80,35 +78,6 @@ struct BlockCounts {
     std::uint64_t tested = 0;       // cells whose vertices were compared with boxes of unknown seeds
     std::uint64_t questions = 0;    // requests: a cell counts once for each block
     std::uint64_t exact_cells = 0;  // cells where exact arithmetic decided a sign; twice if also after a reply
-};
-
-// Calls for one block must not overlap. The threads of the run work inside a call.
-class VOTESS_API Block {
-public:
-    // ids: N, ascending, 0 or more, unique over all blocks. points: (N, 3). weights: N in a power diagram (squares of
-    // radii if these were given), else none. tags: N numbers that rows list beside the ids; none: 0.
-    Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
-          std::span<const double> weights = {}, std::span<const std::int32_t> tags = {});
-    Block(Block&&) noexcept;
-    Block& operator=(Block&&) noexcept;
-    ~Block();
-
-    [[nodiscard]] Message outline() const;
-    [[nodiscard]] Message halo_for(const Message& outline) const;
-    // outlines: of all blocks in order, this one's at `own`. halos: from the others for this block, in the same order.
-    void clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos);
-    [[nodiscard]] Message request_for(std::size_t block) const;
-    // Returns a reply for each request. That to an empty request is empty.
-    [[nodiscard]] std::vector<Message> reply(std::span<const Message> requests) const;
-    void complete(std::span<const Message> replies);
-    // Returns the cells that reach beyond the near ends, with their neighbors.
-    [[nodiscard]] Message far() const;
-    // far: of all blocks; none in a domain with ends.
-    [[nodiscard]] BlockCells finish(std::span<const Message> far);
-    [[nodiscard]] const BlockCounts& counts() const noexcept;
-
-private:
-    std::unique_ptr<detail::BlockState> state_;
 };
 
 }  // namespace votess

@@ -14,6 +14,8 @@ struct FarCells {
     std::vector<std::int64_t> ids;  // of the cells
     Seeds seeds;                    // of the cells and their neighbors, some of them repeatedly
 
+    [[nodiscard]] std::size_t size() const { return ids.size(); }
+    static auto parts(auto& far) { return std::tie(far.ids, far.seeds); }
     // Adds the far ones of the first `count` cells of the run. Returns their rows, ascending. skipped: rows that do not
     // count, ascending. Throws `unsupported` for an empty cell, which all seeds together may have far out.
     std::vector<std::uint32_t> take(const BlockDomain& domain, const Run& run, std::size_t count,

@@ -36,6 +36,9 @@ struct Requests {
     Seeds cells;
     std::vector<Reach> reaches;  // of cells
     Seeds neighbors;             // that they have so far
+
+    [[nodiscard]] std::size_t size() const { return cells.size(); }
+    static auto parts(auto& some) { return std::tie(some.cells, some.reaches, some.neighbors); }
 };
 
 // Returns the seeds of a block that may cut a cell of the requests.
@@ -72,6 +75,7 @@ Seeds with_others(Seeds cells, const Seeds& others);
 // Cells that wait for replies, and the seeds that include all neighbors which they keep.
 struct PendingCells {
     Seeds cells, kept_neighbors;
+    static auto parts(auto& pending) { return std::tie(pending.cells, pending.kept_neighbors); }
     std::uint64_t faces = 0;  // before the replies
 };
 // Finds the complete cells: the first ones of the run, in the order of pending.cells.
@@ -79,10 +83,12 @@ void finish_pending(const Settled& whole, const PendingCells& pending, const See
 
 struct FarCells;
 
-class LocalBlock {
+// Calls for one block must not overlap. The threads of the run work inside a call.
+class VOTESS_API LocalBlock {
 public:
     // whole: the run, with its box and without weights, and with a callback for the progress of clip().
-    // own: ascending by id. Rows list walls if the run does. tiled: from another LocalBlock of the same seeds.
+    // own: ascending by id; the rows of finish() list their tags. Rows list walls if the run does. tiled: from another
+    // LocalBlock of the same seeds.
     LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds> tiled = {});
     ~LocalBlock();
 

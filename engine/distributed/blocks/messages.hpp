@@ -1,6 +1,9 @@
 // Messages between blocks.
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "core/bytes.hpp"
 #include "distributed/blocks/far_cells.hpp"
 
@@ -8,67 +11,30 @@ namespace votess::blocks {
 
 // A halo with the tiles of the block that sends it.
 inline Message to_message(const Seeds& halo, const Outline& outline) {
-    if (halo.size() == 0) return {};
-    Writer writer;
-    writer.put(outline.tiles);
-    halo.put_to(writer);
-    return writer.take();
-}
-inline Message to_message(const Outline& outline) {
-    if (outline.tiles.empty()) return {};
-    Writer writer;
-    writer.put(outline.tiles);
-    return writer.take();
-}
-inline Message to_message(const Requests& requests) {
-    if (requests.cells.size() == 0) return {};
-    Writer writer;
-    requests.cells.put_to(writer);
-    writer.put(requests.reaches);
-    requests.neighbors.put_to(writer);
-    return writer.take();
-}
-
-inline Message to_message(const FarCells& far) {
-    if (far.ids.empty()) return {};
-    Writer writer;
-    writer.put(far.ids);
-    far.seeds.put_to(writer);
-    return writer.take();
-}
-
-inline void from_message(const Message& message, FarCells& far) {
-    if (message.empty()) return;
-    Reader reader(message);
-    reader.get(far.ids);
-    far.seeds.get_from(reader);
-    reader.end();
+    return halo.size() == 0 ? Message{} : message_of(outline.tiles, halo);
 }
 // Keeps the outline when the message is empty.
-inline void from_message(const Message& message, Seeds& halo, Outline& outline) {
+inline void read_halo(const Message& message, Seeds& halo, Outline& outline) {
     if (message.empty()) return;
-    Reader reader(message);
     std::vector<Tile> tiles;
-    reader.get(tiles);
-    halo.get_from(reader);
-    reader.end();
+    read_message(message, tiles, halo);
     outline = outline_of(std::move(tiles));
 }
-inline void from_message(const Message& message, Outline& outline) {
-    if (!message.empty()) {
-        Reader reader(message);
-        reader.get(outline.tiles);
-        reader.end();
-    }
-    outline = outline_of(std::move(outline.tiles));
+inline Outline read_outline(const Message& message) {
+    std::vector<Tile> tiles;
+    read_message(message, tiles);
+    return outline_of(std::move(tiles));
 }
-inline void from_message(const Message& message, Requests& requests) {
-    if (message.empty()) return;
-    Reader reader(message);
-    requests.cells.get_from(reader);
-    reader.get(requests.reaches);
-    requests.neighbors.get_from(reader);
-    reader.end();
+// Joins what messages hold: Seeds or FarCells.
+template <class T>
+T joined(const std::vector<Message>& messages) {
+    T all;
+    for (const Message& message : messages) {
+        T some;
+        read_message(message, some);
+        all.add(some);
+    }
+    return all;
 }
 
 }  // namespace votess::blocks

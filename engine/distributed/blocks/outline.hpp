@@ -44,9 +44,9 @@ private:
     }
 };
 
-Outline outline_of(std::vector<Tile> tiles);
+VOTESS_API Outline outline_of(std::vector<Tile> tiles);
 // Returns one tile of width 0, for blocks that get no halo.
-Outline summary_of(const Outline& outline);
+VOTESS_API Outline summary_of(const Outline& outline);
 
 // An outline and the seeds of its tiles: those of tile t are order[begin[t] .. begin[t + 1]).
 struct TiledSeeds {

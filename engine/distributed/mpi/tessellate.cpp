@@ -8,7 +8,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/errors.hpp"
-#include "distributed/blocks/blocks.hpp"
+#include "distributed/blocks/messages.hpp"
 #include "distributed/mpi/exchange.hpp"
 #include "distributed/mpi/pack_cells.hpp"
 #include "distributed/mpi/run_on_ranks.hpp"
@@ -161,7 +161,7 @@ private:
         ranks_.together([&] {
             for (std::size_t r = 0; r < from.size(); ++r) {
                 Seeds seeds;
-                from_message(from[r], seeds);
+                read_message(from[r], seeds);
                 seeds.tags.assign(seeds.size(), static_cast<std::int32_t>(r));
                 made_.add(seeds);
             }
@@ -171,34 +171,53 @@ private:
     }
 
     void clip() {
-        std::optional<Block> block;
+        using namespace blocks;
+        std::optional<LocalBlock> block;
         Message outline;
         ranks_.together([&] {
-            block.emplace(*domain_, made_.ids, made_.points, made_.weights, made_.tags);
-            outline = block->outline();
+            block.emplace(domain_->of_blocks(), made_);
+            outline = votess::to_message(summary_of(block->outline()).tiles);
         });
         const std::vector<Message> outlines = ranks_.gather_all(outline);
+        const auto own = static_cast<std::size_t>(ranks_.rank());
         std::vector<Message> to(ranks());
         const auto for_others = [&](const auto& make) {
             ranks_.together([&] {
-                for (std::size_t r = 0; r < ranks(); ++r)
-                    to[r] = r == static_cast<std::size_t>(ranks_.rank()) ? Message{} : make(r);
+                for (std::size_t r = 0; r < ranks(); ++r) to[r] = r == own ? Message{} : make(r);
             });
             return ranks_.exchange(to);
         };
-        const auto halos = for_others([&](std::size_t r) { return block->halo_for(outlines[r]); });
-        ranks_.together([&] { block->clip(outlines, static_cast<std::size_t>(ranks_.rank()), halos); });
-        const auto requests = for_others([&](std::size_t r) { return block->request_for(r); });
-        ranks_.together([&] { to = block->reply(requests); });
+        const auto halos = for_others([&](std::size_t r) {
+            return blocks::to_message(block->halo_for(read_outline(outlines[r])), block->outline());
+        });
+        ranks_.together([&] {
+            std::vector<Outline> others(ranks());
+            Seeds all;
+            for (std::size_t r = 0; r < ranks(); ++r) {
+                if (r == own) continue;
+                others[r] = read_outline(outlines[r]);
+                Seeds halo;
+                read_halo(halos[r], halo, others[r]);
+                all.add(halo);
+            }
+            block->clip(std::move(others), own, std::move(all));
+        });
+        const auto requests = for_others([&](std::size_t r) { return votess::to_message(block->requests()[r]); });
+        ranks_.together([&] {
+            std::vector<Requests> all(ranks());
+            for (std::size_t r = 0; r < ranks(); ++r) read_message(requests[r], all[r]);
+            const std::vector<Seeds> replies = block->reply(all);
+            for (std::size_t r = 0; r < ranks(); ++r) to[r] = votess::to_message(replies[r]);
+        });
         const auto replies = ranks_.exchange(to);
         Message far;
         ranks_.together([&] {
-            block->complete(replies);
-            far = block->far();
+            block->complete(joined<Seeds>(replies), *domain_);
+            far = votess::to_message(block->far());
         });
         std::vector<Message> all_far;
         if (domain_->endless()) all_far = ranks_.gather_all(far);
-        ranks_.together([&] { cells_ = block->finish(all_far); });
+        ranks_.together([&] { cells_ = block->finish(joined<FarCells>(all_far), *domain_); });
         counts_.given = ranks_.sum(block->counts().given);
         counts_.needed = ranks_.sum(block->counts().needed);
         counts_.tested = ranks_.sum(block->counts().tested);

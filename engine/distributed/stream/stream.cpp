@@ -143,22 +143,12 @@ private:
         return seeds;
     }
 
-    void put_tiles(std::size_t b, const blocks::TiledSeeds& tiled) {
-        Writer writer;
-        writer.put(tiled.outline.tiles);
-        writer.put(tiled.order);
-        writer.put(tiled.begin);
-        put(blocks_[b].tiles, b, writer.take());
-    }
     [[nodiscard]] blocks::TiledSeeds tiles_of(std::size_t b) {
         blocks::TiledSeeds tiled;
         blocks_[b].tiles.rewind();
         for_messages(blocks_[b].tiles, [&](std::size_t, const Message& message) {
-            Reader reader(message);
             std::vector<blocks::Tile> tiles;
-            reader.get(tiles);
-            reader.get(tiled.order);
-            reader.get(tiled.begin);
+            read_message(message, tiles, tiled.order, tiled.begin);
             tiled.outline = blocks::outline_of(std::move(tiles));
         });
         return tiled;
@@ -171,7 +161,8 @@ private:
             system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
             const blocks::LocalBlock block(of_blocks(), seeds_of(b));
-            put_tiles(b, block.tiled());
+            const blocks::TiledSeeds& tiled = block.tiled();
+            put(blocks_[b].tiles, b, message_of(tiled.outline.tiles, tiled.order, tiled.begin));
             for (std::size_t to = 0; to < count_; ++to)
                 if (to != b) put(blocks_[to].halos, b, to_message(block.halo_for(outlines_[to]), block.outline()));
         }
@@ -190,7 +181,7 @@ private:
             Seeds halo;
             for_messages(blocks_[b].halos, [&](std::size_t from, const Message& message) {
                 Seeds some;
-                from_message(message, some, others[from]);
+                blocks::read_halo(message, some, others[from]);
                 halo.add(some);
             });
             block.clip(std::move(others), b, std::move(halo));
@@ -201,10 +192,7 @@ private:
             for (std::size_t to = 0; to < count_; ++to) put(blocks_[to].requests, b, to_message(block.requests()[to]));
             if (block.pending().empty()) continue;
             const blocks::PendingCells pending = block.pending_cells();
-            Writer writer;
-            pending.cells.put_to(writer);
-            pending.kept_neighbors.put_to(writer);
-            put(blocks_[b].pending, b, writer.take());
+            put(blocks_[b].pending, b, message_of(pending));
             if (!domain_->endless()) result_.stats.faces -= pending.faces;
             result_.asked_cells += pending.cells.size();
         }
@@ -245,7 +233,7 @@ private:
             std::vector<Requests> all;
             for_messages(blocks_[b].requests, [&](std::size_t block, const Message& message) {
                 from.push_back(block);
-                from_message(message, all.emplace_back());
+                read_message(message, all.emplace_back());
             });
             const Job job = make_job(of_blocks());
             const Seeds near = blocks::seeds_near(seeds_of(b), tiles_of(b), blocks::Nearness(*job.domain), all);
@@ -258,13 +246,11 @@ private:
         for (Block& block : blocks_) {
             for_messages(block.pending, [&](std::size_t, const Message& message) {
                 blocks::PendingCells pending;
-                Reader reader(message);
-                pending.cells.get_from(reader);
-                pending.kept_neighbors.get_from(reader);
+                read_message(message, pending);
                 Seeds replies;
                 for_messages(block.replies, [&](std::size_t, const Message& some) {
                     Seeds seeds;
-                    from_message(some, seeds);
+                    read_message(some, seeds);
                     replies.add(seeds);
                 });
                 blocks::Run run;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/box.hpp"
 #include "exact/integer/wide_int.hpp"
 
 namespace votess::gpu {
@@ -169,8 +170,7 @@ bool Images::make(std::size_t count, std::uint32_t most, const auto& make_block)
 void Images::add_seeds(std::size_t first, std::size_t end, Block& block) {
     for (std::size_t i = first; i < end; ++i) {
         if (!job_.outside.empty() && job_.outside[i] == CellStatus::outside) continue;
-        const auto wrapped = wrap(domain_, {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale,
-                                            job_.points[3 * i + 2] * job_.scale});
+        const auto wrapped = wrap(domain_, point_of(job_.points, i, job_.scale));
         if (!wrapped) {  // the exact clipper reports it
             block.refused = true;
             return;

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/thread_pool.hpp"
+#include "gpu/frames/frame_buffers.hpp"
 #include "gpu/vulkan/commands.hpp"
 #include "result/frame_rows.hpp"
 #include "votess/vulkan.hpp"
@@ -40,15 +42,6 @@ public:
     [[nodiscard]] detail::FrameRows resolve();
 
 private:
-    // A buffer that the device writes. Where the host does not see it, a copy that it sees.
-    struct Output {
-        vulkan::Buffer written, copy;
-        template <class T>
-        [[nodiscard]] std::span<const T> as() const {
-            return (copy ? copy : written).as<T>();
-        }
-    };
-    [[nodiscard]] Output output(VkDeviceSize bytes, const char* name);
     void begin(std::size_t count, bool narrow);
     void submit();
     [[nodiscard]] detail::FrameRows gather(const votess::vulkan::Resolved& more);
@@ -58,9 +51,8 @@ private:
     Want want_;
     ThreadPool pool_;
     vulkan::Memory memory_;
-    vulkan::Buffer seeds_, weights_, workspace_;
-    Output header_, cells_, indices_, geometry_, areas_, shifts_;
-    votess::vulkan::Frame frame_;
+    vulkan::Buffer seeds_, weights_;
+    std::optional<FrameBuffers> buffers_;
     vulkan::Commands commands_;
     std::size_t count_ = 0;
     bool narrow_ = false;  // the points were float32

@@ -224,16 +224,10 @@ void DeviceSeeds::record_present(Recorder& recorder, const Slice& count) const {
     recorder.copy(count, 0, run_state(), offsetof(RunState, present), sizeof(RunState::present));
 }
 
-void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
-                                 std::uint32_t count) const {
-    UploadPush push{};
-    bool lossy = false;
-    push.origin[0] = words(Units{weights_->shift}.of(weights_->least, lossy));
-    push.lower[0] = words(ordered_bits(weights_->least));
-    push.upper[0] = words(ordered_bits(weights_->largest));
+void DeviceSeeds::record_raw(Recorder& recorder, const vulkan::Pass& pass, UploadPush push, const Raw& raw,
+                             std::uint32_t first, std::uint32_t count) const {
     push.first = first;
     push.count = count;
-    push.shift = weights_->shift;
     push.format = raw.format;
     push.stride = raw.stride;
     push.check = raw.check;
@@ -241,8 +235,19 @@ void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const
     push.total = count_;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);
-    recorder.dispatch(*passes.upload_weights, bindings.list(), push_bytes(push), count);
+    recorder.dispatch(pass, bindings.list(), push_bytes(push), count);
     recorder.barrier();
+}
+
+void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
+                                 std::uint32_t count) const {
+    UploadPush push{};
+    bool lossy = false;
+    push.origin[0] = words(Units{weights_->shift}.of(weights_->least, lossy));
+    push.lower[0] = words(ordered_bits(weights_->least));
+    push.upper[0] = words(ordered_bits(weights_->largest));
+    push.shift = weights_->shift;
+    record_raw(recorder, *passes.upload_weights, push, raw, first, count);
 }
 
 void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
@@ -253,18 +258,8 @@ void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const 
         push.lower[k] = words(ordered_bits(box_.lower[k]));
         push.upper[k] = words(ordered_bits(box_.upper[k]));
     }
-    push.first = first;
-    push.count = count;
     push.shift = units_.shift;
-    push.format = raw.format;
-    push.stride = raw.stride;
-    push.check = raw.check;
-    push.begin = raw.begin;
-    push.total = count_;
-    Bindings bindings = bindings_;
-    bindings.set(BINDING_RAW, raw.slice);
-    recorder.dispatch(passes.upload, bindings.list(), push_bytes(push), count);
-    recorder.barrier();
+    record_raw(recorder, passes.upload, push, raw, first, count);
 }
 
 void DeviceSeeds::record_radix_pass(Recorder& recorder, const Passes& passes, std::uint32_t pass) const {

@@ -140,6 +140,8 @@ public:
 
 private:
     void record_image_reach(Recorder& recorder, const Passes& passes, const KnownSeeds& known) const;
+    void record_raw(Recorder& recorder, const vulkan::Pass& pass, UploadPush push, const Raw& raw, std::uint32_t first,
+                    std::uint32_t count) const;
     void record_radix_pass(Recorder& recorder, const Passes& passes, std::uint32_t pass) const;
 
     std::uint32_t count_ = 0;

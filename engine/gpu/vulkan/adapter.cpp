@@ -38,20 +38,12 @@ std::string_view type_text(VkPhysicalDeviceType type) {
 class Support {
 public:
     Support(const InstanceCalls& calls, VkPhysicalDevice device, std::uint32_t version) : version_(version) {
-        constexpr auto name = "vkEnumerateDeviceExtensionProperties";
-        for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
-            std::uint32_t count = 0;
-            check(calls.vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), name);
-            extensions_.resize(count);
-            result = calls.vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions_.data());
-            check(result, name);
-            extensions_.resize(count);
-        }
+        extensions_ =
+            list_of<VkExtensionProperties>("vkEnumerateDeviceExtensionProperties", [&](auto* count, auto* to) {
+                return calls.vkEnumerateDeviceExtensionProperties(device, nullptr, count, to);
+            });
     }
-    [[nodiscard]] bool has(std::string_view extension) const {
-        return std::any_of(extensions_.begin(), extensions_.end(),
-                           [&](const auto& e) { return e.extensionName == extension; });
-    }
+    [[nodiscard]] bool has(std::string_view extension) const { return vulkan::has(extensions_, extension); }
     [[nodiscard]] bool is_at_least(std::uint32_t version) const { return version_ >= version; }
     // Returns whether the device has a feature that `version` took into its core and that was an extension before.
     [[nodiscard]] bool has(std::uint32_t version, std::string_view extension) const {
@@ -77,13 +69,6 @@ public:
 private:
     VkBaseOutStructure* last_;
 };
-
-template <class T>
-T structure(VkStructureType type) {
-    T value{};
-    value.sType = type;
-    return value;
-}
 
 void query_memory(Adapter& a, const InstanceCalls& calls) {
     calls.vkGetPhysicalDeviceMemoryProperties(a.handle, &a.memory);
@@ -127,8 +112,9 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
 
     auto floats =
         structure<VkPhysicalDeviceFloatControlsProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES);
-
+    auto ids = structure<VkPhysicalDeviceIDProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES);
     Chain chain(all);
+    chain.add(ids);
     chain.add(subgroup);
     chain.add(limits);
     if (support.is_at_least(VK_API_VERSION_1_2)) chain.add(floats);
@@ -137,6 +123,7 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     if (support.has(VK_API_VERSION_1_3, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) chain.add(sizes);
     calls.vkGetPhysicalDeviceProperties2(a.handle, &all);
 
+    std::copy_n(ids.deviceUUID, a.uuid.size(), a.uuid.begin());
     a.subgroup_size = subgroup.subgroupSize;
     a.min_subgroup_size = sizes.minSubgroupSize ? sizes.minSubgroupSize : subgroup.subgroupSize;
     a.max_subgroup_size = sizes.maxSubgroupSize ? sizes.maxSubgroupSize : subgroup.subgroupSize;
@@ -194,6 +181,8 @@ Adapter query_adapter(const InstanceCalls& calls, VkPhysicalDevice device, std::
     // volk does not include the header of provisional extensions, which has a macro for this name.
     a.portability_subset = support.has("VK_KHR_portability_subset");
     a.subgroup_size_extension = support.has(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
+    a.exports_memory = support.has(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME);
+    a.exports_semaphores = support.has(VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME);
     query_properties(a, calls, support);
     query_features(a, calls, support);
     return a;

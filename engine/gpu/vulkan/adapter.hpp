@@ -21,6 +21,7 @@ struct Adapter {
     std::uint32_t vendor_id = 0;
     std::uint32_t device_id = 0;
     std::array<std::uint8_t, VK_UUID_SIZE> cache_uuid{};  // pipelineCacheUUID
+    std::array<std::uint8_t, VK_UUID_SIZE> uuid{};        // of the device; 0 before Vulkan 1.1
     VkPhysicalDeviceLimits limits{};
 
     VkPhysicalDeviceMemoryProperties memory{};
@@ -45,10 +46,10 @@ struct Adapter {
 
     // With compute, with timestamps if there is one, and without graphics if there is one.
     std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;
-    std::vector<VkQueueFlags> families;  // flags of each family; 0 where it has no queue
-    std::uint32_t timestamp_bits = 0;    // 0: no timestamps
-    bool portability_subset = false;     // must be enabled where it exists
-
+    std::vector<VkQueueFlags> families;                       // flags of each family; 0 where it has no queue
+    std::uint32_t timestamp_bits = 0;                         // 0: no timestamps
+    bool portability_subset = false;                          // must be enabled where it exists
+    bool exports_memory = false, exports_semaphores = false;  // as file descriptors
     // The device is the CPU (lavapipe).
     [[nodiscard]] bool software() const { return type == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     // Host and device share their memory.

@@ -2,52 +2,37 @@
 
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "input/option_name.hpp"
 
 namespace votess::gpu::vulkan {
 
 std::string result_name(VkResult result) {
-    switch (result) {
-        case VK_SUCCESS:
-            return "VK_SUCCESS";
-        case VK_NOT_READY:
-            return "VK_NOT_READY";
-        case VK_TIMEOUT:
-            return "VK_TIMEOUT";
-        case VK_INCOMPLETE:
-            return "VK_INCOMPLETE";
-        case VK_ERROR_OUT_OF_HOST_MEMORY:
-            return "VK_ERROR_OUT_OF_HOST_MEMORY";
-        case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-            return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
-        case VK_ERROR_INITIALIZATION_FAILED:
-            return "VK_ERROR_INITIALIZATION_FAILED";
-        case VK_ERROR_DEVICE_LOST:
-            return "VK_ERROR_DEVICE_LOST";
-        case VK_ERROR_MEMORY_MAP_FAILED:
-            return "VK_ERROR_MEMORY_MAP_FAILED";
-        case VK_ERROR_LAYER_NOT_PRESENT:
-            return "VK_ERROR_LAYER_NOT_PRESENT";
-        case VK_ERROR_EXTENSION_NOT_PRESENT:
-            return "VK_ERROR_EXTENSION_NOT_PRESENT";
-        case VK_ERROR_FEATURE_NOT_PRESENT:
-            return "VK_ERROR_FEATURE_NOT_PRESENT";
-        case VK_ERROR_INCOMPATIBLE_DRIVER:
-            return "VK_ERROR_INCOMPATIBLE_DRIVER";
-        case VK_ERROR_TOO_MANY_OBJECTS:
-            return "VK_ERROR_TOO_MANY_OBJECTS";
-        case VK_ERROR_FRAGMENTED_POOL:
-            return "VK_ERROR_FRAGMENTED_POOL";
-        case VK_ERROR_OUT_OF_POOL_MEMORY:
-            return "VK_ERROR_OUT_OF_POOL_MEMORY";
-        case VK_ERROR_INVALID_SHADER_NV:
-            return "VK_ERROR_INVALID_SHADER_NV";
-        case VK_ERROR_UNKNOWN:
-            return "VK_ERROR_UNKNOWN";
-        default:
-            return "VkResult " + std::to_string(static_cast<int>(result));
-    }
+#define VOTESS_NAMED(name) \
+    { name, #name }
+    static constexpr std::pair<VkResult, const char*> names[] = {VOTESS_NAMED(VK_SUCCESS),
+                                                                 VOTESS_NAMED(VK_NOT_READY),
+                                                                 VOTESS_NAMED(VK_TIMEOUT),
+                                                                 VOTESS_NAMED(VK_INCOMPLETE),
+                                                                 VOTESS_NAMED(VK_ERROR_OUT_OF_HOST_MEMORY),
+                                                                 VOTESS_NAMED(VK_ERROR_OUT_OF_DEVICE_MEMORY),
+                                                                 VOTESS_NAMED(VK_ERROR_INITIALIZATION_FAILED),
+                                                                 VOTESS_NAMED(VK_ERROR_DEVICE_LOST),
+                                                                 VOTESS_NAMED(VK_ERROR_MEMORY_MAP_FAILED),
+                                                                 VOTESS_NAMED(VK_ERROR_LAYER_NOT_PRESENT),
+                                                                 VOTESS_NAMED(VK_ERROR_EXTENSION_NOT_PRESENT),
+                                                                 VOTESS_NAMED(VK_ERROR_FEATURE_NOT_PRESENT),
+                                                                 VOTESS_NAMED(VK_ERROR_INCOMPATIBLE_DRIVER),
+                                                                 VOTESS_NAMED(VK_ERROR_TOO_MANY_OBJECTS),
+                                                                 VOTESS_NAMED(VK_ERROR_FRAGMENTED_POOL),
+                                                                 VOTESS_NAMED(VK_ERROR_OUT_OF_POOL_MEMORY),
+                                                                 VOTESS_NAMED(VK_ERROR_INVALID_SHADER_NV),
+                                                                 VOTESS_NAMED(VK_ERROR_UNKNOWN)};
+#undef VOTESS_NAMED
+    for (const auto& [known, name] : names)
+        if (known == result) return name;
+    return "VkResult " + std::to_string(static_cast<int>(result));
 }
 
 void check(VkResult result, const char* call) {

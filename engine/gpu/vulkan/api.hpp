@@ -5,6 +5,12 @@
 
 #include <volk.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "votess/votess.hpp"
 
 namespace votess::gpu::vulkan {
@@ -16,34 +22,60 @@ void check(VkResult result, const char* call);
 // Returns a size as in "128 MiB", for messages.
 [[nodiscard]] std::string bytes_text(VkDeviceSize bytes);
 
+// Returns a structure of that type.
+template <class T>
+[[nodiscard]] T structure(VkStructureType type) {
+    T value{};
+    value.sType = type;
+    return value;
+}
+
+// Returns the list of a call that takes a count and an array. name: of the function.
+template <class Value, class Call>
+[[nodiscard]] std::vector<Value> list_of(const char* name, const Call& call) {
+    std::vector<Value> list;
+    for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
+        std::uint32_t count = 0;
+        check(call(&count, static_cast<Value*>(nullptr)), name);
+        list.resize(count);
+        result = call(&count, list.data());
+        check(result, name);
+        list.resize(count);
+    }
+    return list;
+}
+
+[[nodiscard]] inline bool has(const std::vector<VkExtensionProperties>& list, std::string_view name) {
+    return std::ranges::any_of(list, [&](const auto& e) { return e.extensionName == name; });
+}
+
+// clang-format off
+#define VOTESS_LOADER_CALLS(call)                                                 \
+    call(vkEnumerateInstanceVersion) /* null: a loader for Vulkan 1.0 */          \
+    call(vkEnumerateInstanceExtensionProperties) call(vkEnumerateInstanceLayerProperties) call(vkCreateInstance)
+#define VOTESS_INSTANCE_CALLS(call)                                               \
+    call(vkDestroyInstance) call(vkEnumeratePhysicalDevices)                      \
+    call(vkGetPhysicalDeviceProperties) call(vkGetPhysicalDeviceProperties2)      \
+    call(vkGetPhysicalDeviceFeatures2) call(vkGetPhysicalDeviceFormatProperties)  \
+    call(vkGetPhysicalDeviceMemoryProperties) call(vkGetPhysicalDeviceQueueFamilyProperties) \
+    call(vkEnumerateDeviceExtensionProperties) call(vkCreateDevice) call(vkGetDeviceProcAddr)
+#define VOTESS_DEBUG_CALLS(call)                                                  \
+    call(vkCreateDebugUtilsMessengerEXT) call(vkDestroyDebugUtilsMessengerEXT)    \
+    call(vkSetDebugUtilsObjectNameEXT)                                            \
+    call(vkCmdBeginDebugUtilsLabelEXT) call(vkCmdEndDebugUtilsLabelEXT)
+#define VOTESS_DECLARE(name) PFN_##name name = nullptr;
 // Functions of the loader that need no instance.
 struct LoaderCalls {
     PFN_vkGetInstanceProcAddr vkGetInstanceProcAddr = nullptr;
-    PFN_vkEnumerateInstanceVersion vkEnumerateInstanceVersion = nullptr;  // null: a loader for Vulkan 1.0
-    PFN_vkEnumerateInstanceExtensionProperties vkEnumerateInstanceExtensionProperties = nullptr;
-    PFN_vkEnumerateInstanceLayerProperties vkEnumerateInstanceLayerProperties = nullptr;
-    PFN_vkCreateInstance vkCreateInstance = nullptr;
+    VOTESS_LOADER_CALLS(VOTESS_DECLARE)
 };
-
 // Functions of an instance; those of VK_EXT_debug_utils are null unless that is enabled.
 struct InstanceCalls {
-    PFN_vkDestroyInstance vkDestroyInstance = nullptr;
-    PFN_vkEnumeratePhysicalDevices vkEnumeratePhysicalDevices = nullptr;
-    PFN_vkGetPhysicalDeviceProperties vkGetPhysicalDeviceProperties = nullptr;
-    PFN_vkGetPhysicalDeviceProperties2 vkGetPhysicalDeviceProperties2 = nullptr;
-    PFN_vkGetPhysicalDeviceFeatures2 vkGetPhysicalDeviceFeatures2 = nullptr;
-    PFN_vkGetPhysicalDeviceFormatProperties vkGetPhysicalDeviceFormatProperties = nullptr;
-    PFN_vkGetPhysicalDeviceMemoryProperties vkGetPhysicalDeviceMemoryProperties = nullptr;
-    PFN_vkGetPhysicalDeviceQueueFamilyProperties vkGetPhysicalDeviceQueueFamilyProperties = nullptr;
-    PFN_vkEnumerateDeviceExtensionProperties vkEnumerateDeviceExtensionProperties = nullptr;
-    PFN_vkCreateDevice vkCreateDevice = nullptr;
-    PFN_vkGetDeviceProcAddr vkGetDeviceProcAddr = nullptr;
-    PFN_vkCreateDebugUtilsMessengerEXT vkCreateDebugUtilsMessengerEXT = nullptr;
-    PFN_vkDestroyDebugUtilsMessengerEXT vkDestroyDebugUtilsMessengerEXT = nullptr;
-    PFN_vkSetDebugUtilsObjectNameEXT vkSetDebugUtilsObjectNameEXT = nullptr;
-    PFN_vkCmdBeginDebugUtilsLabelEXT vkCmdBeginDebugUtilsLabelEXT = nullptr;
-    PFN_vkCmdEndDebugUtilsLabelEXT vkCmdEndDebugUtilsLabelEXT = nullptr;
+    VOTESS_INSTANCE_CALLS(VOTESS_DECLARE)
+    VOTESS_DEBUG_CALLS(VOTESS_DECLARE)
 };
+#undef VOTESS_DECLARE
+// clang-format on
 
 // Fills the table of a device. Thread-safe.
 void load_device_table(VolkDeviceTable& table, VkDevice device, PFN_vkGetDeviceProcAddr get);

@@ -21,25 +21,21 @@ Commands::~Commands() {
 
 void Commands::make_objects(std::uint32_t timestamps) {
     const VolkDeviceTable& table = device().table();
-    VkCommandPoolCreateInfo pool{};
-    pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    auto pool = structure<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
     pool.queueFamilyIndex = device().adapter().queue_family;
     check(table.vkCreateCommandPool(device().handle(), &pool, nullptr, &pool_), "vkCreateCommandPool");
 
-    VkCommandBufferAllocateInfo buffer{};
-    buffer.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    auto buffer = structure<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
     buffer.commandPool = pool_;
     buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     buffer.commandBufferCount = 1;
     check(table.vkAllocateCommandBuffers(device().handle(), &buffer, &commands_), "vkAllocateCommandBuffers");
 
-    VkFenceCreateInfo fence{};
-    fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+    auto fence = structure<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
     check(table.vkCreateFence(device().handle(), &fence, nullptr, &fence_), "vkCreateFence");
 
     if (timestamps == 0) return;
-    VkQueryPoolCreateInfo queries{};
-    queries.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+    auto queries = structure<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = timestamps;
     check(table.vkCreateQueryPool(device().handle(), &queries, nullptr, &queries_), "vkCreateQueryPool");
@@ -66,8 +62,7 @@ void Commands::begin() {
     state_ = State::idle;
     check(table.vkResetCommandPool(device().handle(), pool_, 0), "vkResetCommandPool");
     descriptor_sets().forget();
-    VkCommandBufferBeginInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    auto info = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
     check(table.vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
     state_ = State::recording;
     open(commands_);
@@ -111,7 +106,10 @@ double Commands::seconds(std::uint32_t from, std::uint32_t to) const {
 void Commands::submit() {
     expect(State::ready, "submit");
     check(device().table().vkResetFences(device().handle(), 1, &fence_), "vkResetFences");
-    device().submit(commands_, fence_);
+    auto info = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
+    info.commandBufferCount = 1;
+    info.pCommandBuffers = &commands_;
+    device().submit(info, fence_);
     state_ = State::running;
 }
 

@@ -31,8 +31,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
       float64_(options.float64 && adapter.float64),
       passes_(std::make_unique<PassCache>()) {
     const float priority = 1;
-    VkDeviceQueueCreateInfo queue{};
-    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    auto queue = structure<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
     queue.queueFamilyIndex = adapter_.queue_family;
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
@@ -42,15 +41,21 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
     std::vector<const char*> extensions;
     if (adapter_.portability_subset) extensions.push_back("VK_KHR_portability_subset");
 
-    VkPhysicalDeviceSubgroupSizeControlFeatures sizes{};
-    sizes.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES;
+    auto sizes = structure<VkPhysicalDeviceSubgroupSizeControlFeatures>(
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES);
     sizes.subgroupSizeControl = sizes.computeFullSubgroups = VK_TRUE;
     if (adapter_.subgroup_size_control && adapter_.subgroup_size_extension)
         extensions.push_back(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
-
-    VkDeviceCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    auto timeline = structure<VkPhysicalDeviceTimelineSemaphoreFeatures>(
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES);
+    timeline.timelineSemaphore = VK_TRUE;
+    if (options.exports) {
+        extensions.push_back(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME);
+        if (adapter_.exports_semaphores) extensions.push_back(VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME);
+    }
+    auto info = structure<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
     if (adapter_.subgroup_size_control) info.pNext = &sizes;
+    if (options.exports) timeline.pNext = const_cast<void*>(std::exchange(info.pNext, &timeline));
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
     info.pEnabledFeatures = &features;
@@ -124,11 +129,7 @@ Device::~Device() {
     if (owned_) table_.vkDestroyDevice(handle_, nullptr);
 }
 
-void Device::submit(VkCommandBuffer commands, VkFence fence) {
-    VkSubmitInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
-    info.commandBufferCount = 1;
-    info.pCommandBuffers = &commands;
+void Device::submit(const VkSubmitInfo& info, VkFence fence) {
     std::lock_guard lock(queue_mutex_);
     check(table_.vkQueueSubmit(queue_, 1, &info, fence), "vkQueueSubmit");
 }
@@ -140,8 +141,7 @@ void Device::drain() noexcept {
 
 void Device::set_name(std::uint64_t object, VkObjectType type, const char* text) {
     if (!instance_->debug_utils() || !text) return;
-    VkDebugUtilsObjectNameInfoEXT info{};
-    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT;
+    auto info = structure<VkDebugUtilsObjectNameInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT);
     info.objectType = type;
     info.objectHandle = object;
     info.pObjectName = text;

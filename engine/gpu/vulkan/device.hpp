@@ -30,6 +30,7 @@ struct Rounding {
 // Features to enable where the device has them.
 struct DeviceOptions {
     bool float64 = true;
+    bool exports = false;  // timeline semaphores and memory for another API; of Vulkan 1.2 with exports_memory
 };
 
 // A device of a host program.
@@ -72,7 +73,7 @@ public:
     [[nodiscard]] VkPipelineCache cache_handle() const { return cache_ ? cache_->handle() : host_cache_; }
 
     // Thread-safe: a mutex orders the calls on the queue.
-    void submit(VkCommandBuffer commands, VkFence fence);
+    void submit(const VkSubmitInfo& info, VkFence fence);
     // Waits until the queue is empty or the device is lost. For destructors.
     void drain() noexcept;
     // Names an object for tools and messages; does nothing without VK_EXT_debug_utils.

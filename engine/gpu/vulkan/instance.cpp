@@ -20,35 +20,19 @@ std::string_view validation_variable() {
     return value ? value : "";
 }
 
-template <class Function>
-void load(Function& function, PFN_vkGetInstanceProcAddr get, VkInstance instance, const char* name) {
-    function = reinterpret_cast<Function>(get(instance, name));
-}
+// Fills the members that a list of calls declares.
+#define VOTESS_LOAD(name) calls_.name = reinterpret_cast<PFN_##name>(get(instance, #name));
 
 std::vector<VkExtensionProperties> extensions_of(const LoaderCalls& calls, const char* layer) {
-    std::vector<VkExtensionProperties> list;
-    for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
-        std::uint32_t count = 0;
-        check(calls.vkEnumerateInstanceExtensionProperties(layer, &count, nullptr),
-              "vkEnumerateInstanceExtensionProperties");
-        list.resize(count);
-        result = calls.vkEnumerateInstanceExtensionProperties(layer, &count, list.data());
-        check(result, "vkEnumerateInstanceExtensionProperties");
-        list.resize(count);
-    }
-    return list;
-}
-
-bool has(const std::vector<VkExtensionProperties>& list, std::string_view name) {
-    return std::any_of(list.begin(), list.end(), [&](const auto& e) { return e.extensionName == name; });
+    return list_of<VkExtensionProperties>("vkEnumerateInstanceExtensionProperties", [&](auto* count, auto* to) {
+        return calls.vkEnumerateInstanceExtensionProperties(layer, count, to);
+    });
 }
 
 bool has_layer(const LoaderCalls& calls, std::string_view name) {
-    std::uint32_t count = 0;
-    check(calls.vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties");
-    std::vector<VkLayerProperties> list(count);
-    check(calls.vkEnumerateInstanceLayerProperties(&count, list.data()), "vkEnumerateInstanceLayerProperties");
-    list.resize(count);
+    const auto list = list_of<VkLayerProperties>("vkEnumerateInstanceLayerProperties", [&](auto* count, auto* to) {
+        return calls.vkEnumerateInstanceLayerProperties(count, to);
+    });
     return std::any_of(list.begin(), list.end(), [&](const auto& l) { return l.layerName == name; });
 }
 
@@ -72,10 +56,8 @@ Loader::Loader() {
     const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(library_.symbol("vkGetInstanceProcAddr"));
     if (!get) throw Error(ErrorCode::unsupported, *name + " is not a Vulkan loader: it lacks vkGetInstanceProcAddr");
     calls_.vkGetInstanceProcAddr = get;
-    load(calls_.vkEnumerateInstanceVersion, get, nullptr, "vkEnumerateInstanceVersion");
-    load(calls_.vkEnumerateInstanceExtensionProperties, get, nullptr, "vkEnumerateInstanceExtensionProperties");
-    load(calls_.vkEnumerateInstanceLayerProperties, get, nullptr, "vkEnumerateInstanceLayerProperties");
-    load(calls_.vkCreateInstance, get, nullptr, "vkCreateInstance");
+    constexpr VkInstance instance = VK_NULL_HANDLE;
+    VOTESS_LOADER_CALLS(VOTESS_LOAD)
 }
 
 std::shared_ptr<Instance> Instance::create(const InstanceOptions& options) {
@@ -126,12 +108,10 @@ void Instance::create_handle(const InstanceOptions& options) {
     std::vector<VkExtensionProperties> available = extensions_of(calls, nullptr);
     std::vector<const char*> layers;
     std::vector<const char*> extensions;
-    VkInstanceCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    auto info = structure<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
 
     const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-    VkValidationFeaturesEXT features{};
-    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+    auto features = structure<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
     features.enabledValidationFeatureCount = 1;
     features.pEnabledValidationFeatures = &synchronization;
     if (validation_) {
@@ -157,8 +137,7 @@ void Instance::create_handle(const InstanceOptions& options) {
         info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
     }
 
-    VkApplicationInfo application{};
-    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    auto application = structure<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
     application.pEngineName = "votess";
     application.apiVersion = version_;
     info.pApplicationInfo = &application;
@@ -175,31 +154,17 @@ void Instance::create_handle(const InstanceOptions& options) {
 }
 
 void Instance::load_calls(PFN_vkGetInstanceProcAddr get) {
-    load(calls_.vkDestroyInstance, get, handle_, "vkDestroyInstance");
-    load(calls_.vkEnumeratePhysicalDevices, get, handle_, "vkEnumeratePhysicalDevices");
-    load(calls_.vkGetPhysicalDeviceProperties, get, handle_, "vkGetPhysicalDeviceProperties");
-    load(calls_.vkGetPhysicalDeviceProperties2, get, handle_, "vkGetPhysicalDeviceProperties2");
-    load(calls_.vkGetPhysicalDeviceFeatures2, get, handle_, "vkGetPhysicalDeviceFeatures2");
-    load(calls_.vkGetPhysicalDeviceFormatProperties, get, handle_, "vkGetPhysicalDeviceFormatProperties");
-    load(calls_.vkGetPhysicalDeviceMemoryProperties, get, handle_, "vkGetPhysicalDeviceMemoryProperties");
-    load(calls_.vkGetPhysicalDeviceQueueFamilyProperties, get, handle_, "vkGetPhysicalDeviceQueueFamilyProperties");
-    load(calls_.vkEnumerateDeviceExtensionProperties, get, handle_, "vkEnumerateDeviceExtensionProperties");
-    load(calls_.vkCreateDevice, get, handle_, "vkCreateDevice");
-    load(calls_.vkGetDeviceProcAddr, get, handle_, "vkGetDeviceProcAddr");
+    const VkInstance instance = handle_;
+    VOTESS_INSTANCE_CALLS(VOTESS_LOAD)
     if (!debug_utils_) return;
-    load(calls_.vkCreateDebugUtilsMessengerEXT, get, handle_, "vkCreateDebugUtilsMessengerEXT");
-    load(calls_.vkDestroyDebugUtilsMessengerEXT, get, handle_, "vkDestroyDebugUtilsMessengerEXT");
-    load(calls_.vkSetDebugUtilsObjectNameEXT, get, handle_, "vkSetDebugUtilsObjectNameEXT");
-    load(calls_.vkCmdBeginDebugUtilsLabelEXT, get, handle_, "vkCmdBeginDebugUtilsLabelEXT");
-    load(calls_.vkCmdEndDebugUtilsLabelEXT, get, handle_, "vkCmdEndDebugUtilsLabelEXT");
+    VOTESS_DEBUG_CALLS(VOTESS_LOAD)
 }
 
 void Instance::create_messenger() {
     if (!debug_utils_) {
         throw Error(ErrorCode::unsupported, "Vulkan validation is requested, but there is no VK_EXT_debug_utils");
     }
-    VkDebugUtilsMessengerCreateInfoEXT info{};
-    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    auto info = structure<VkDebugUtilsMessengerCreateInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);
     info.messageSeverity =
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
@@ -213,19 +178,14 @@ void Instance::create_messenger() {
 std::vector<Adapter> Instance::adapters() const {
     std::vector<Adapter> adapters;
     if (!handle_) return adapters;
-    std::vector<VkPhysicalDevice> devices;
-    for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
-        std::uint32_t count = 0;
-        result = calls_.vkEnumeratePhysicalDevices(handle_, &count, nullptr);
+    const auto devices = list_of<VkPhysicalDevice>("vkEnumeratePhysicalDevices", [&](auto* count, auto* to) {
+        const VkResult result = calls_.vkEnumeratePhysicalDevices(handle_, count, to);
         // Drivers return these when they find no device of theirs.
-        if (result == VK_ERROR_INITIALIZATION_FAILED || result == VK_ERROR_INCOMPATIBLE_DRIVER) return adapters;
-        check(result, "vkEnumeratePhysicalDevices");
-        devices.resize(count);
-        result = calls_.vkEnumeratePhysicalDevices(handle_, &count, devices.data());
-        check(result, "vkEnumeratePhysicalDevices");
-        devices.resize(count);
-    }
-    for (VkPhysicalDevice device : devices) adapters.push_back(query_adapter(calls_, device, version_));
+        if (result != VK_ERROR_INITIALIZATION_FAILED && result != VK_ERROR_INCOMPATIBLE_DRIVER) return result;
+        *count = 0;
+        return VK_SUCCESS;
+    });
+    for (const VkPhysicalDevice device : devices) adapters.push_back(query_adapter(calls_, device, version_));
     return adapters;
 }
 
@@ -237,6 +197,13 @@ void Instance::add_message(std::string message) {
 std::vector<std::string> Instance::take_messages() {
     std::lock_guard lock(mutex_);
     return std::exchange(messages_, {});
+}
+
+void Instance::check_messages() {
+    const auto messages = take_messages();
+    if (!messages.empty())
+        throw Error(ErrorCode::internal, "Vulkan validation found " + std::to_string(messages.size()) +
+                                             " problems, the first: " + messages.front());
 }
 
 VkBool32 Instance::on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,

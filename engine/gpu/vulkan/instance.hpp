@@ -67,6 +67,8 @@ public:
     // Returns the messages of the validation layer since the last call, each "error: ..." or "warning: ...".
     // Thread-safe.
     [[nodiscard]] std::vector<std::string> take_messages();
+    // Throws `internal` if there are any: they are bugs, whatever the result.
+    void check_messages();
 
 private:
     explicit Instance(const InstanceOptions& options);

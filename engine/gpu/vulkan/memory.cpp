@@ -96,8 +96,7 @@ Buffer::~Buffer() {
 }
 
 VkMappedMemoryRange Buffer::range() const {
-    VkMappedMemoryRange range{};
-    range.sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE;
+    auto range = structure<VkMappedMemoryRange>(VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE);
     range.memory = block_->memory;
     range.offset = offset_;
     range.size = reserved_;
@@ -161,8 +160,7 @@ MemoryBlock* Memory::new_block(std::uint32_t type, MemoryKind kind, VkDeviceSize
     blocks_.reserve(blocks_.size() + 1);  // nothing may throw once there is memory
 
     VolkDeviceTable& table = device_.table();
-    VkMemoryAllocateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    auto info = structure<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
     info.allocationSize = bytes;
     info.memoryTypeIndex = type;
     VkResult result = table.vkAllocateMemory(device_.handle(), &info, nullptr, &block->memory);
@@ -229,8 +227,7 @@ Buffer Memory::buffer(VkDeviceSize bytes, MemoryKind kind, const char* name) {
     }
     Buffer buffer;
     buffer.memory_ = this;
-    VkBufferCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+    auto info = structure<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
     info.size = round_up(std::max<VkDeviceSize>(bytes, 1), 16);
     info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |

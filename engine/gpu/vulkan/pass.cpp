@@ -108,16 +108,14 @@ void Pass::Made::make_layout() {
         slots.push_back({number, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     }
     const VolkDeviceTable& table = device.table();
-    VkDescriptorSetLayoutCreateInfo set{};
-    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    auto set = structure<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
     set.bindingCount = static_cast<std::uint32_t>(slots.size());
     set.pBindings = slots.data();
     check(table.vkCreateDescriptorSetLayout(device.handle(), &set, nullptr, &set_layout),
           "vkCreateDescriptorSetLayout");
 
     const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
-    VkPipelineLayoutCreateInfo create{};
-    create.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    auto create = structure<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
     create.setLayoutCount = 1;
     create.pSetLayouts = &set_layout;
     create.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
@@ -130,8 +128,7 @@ void Pass::Made::make_pipeline(const PassInfo& info) {
     const VolkDeviceTable& table = device.table();
     const Adapter& adapter = device.adapter();
     const std::vector<std::uint32_t> spirv = with_demands(info.spirv, device.demands());
-    VkShaderModuleCreateInfo code{};
-    code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    auto code = structure<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
     code.codeSize = std::span(spirv).size_bytes();
     code.pCode = spirv.data();
 
@@ -147,14 +144,13 @@ void Pass::Made::make_pipeline(const PassInfo& info) {
     specialization.dataSize = std::span(constants).size_bytes();
     specialization.pData = constants.data();
 
-    VkComputePipelineCreateInfo create{};
-    create.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+    auto create = structure<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
     create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     create.stage.pName = "main";
     create.stage.pSpecializationInfo = &specialization;
-    VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{};
-    size.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;
+    auto size = structure<VkPipelineShaderStageRequiredSubgroupSizeCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO);
     size.requiredSubgroupSize = info.subgroup_size;
     if (adapter.subgroup_size_control && info.subgroup_size >= adapter.min_subgroup_size &&
         info.subgroup_size <= adapter.max_subgroup_size) {

@@ -121,8 +121,7 @@ bool write_cache(const fs::path& file, std::span<const std::byte> data) noexcept
 PipelineCache::PipelineCache(const VolkDeviceTable& table, VkDevice device, const Adapter& adapter)
     : table_(table), device_(device), file_(cache_file(adapter)) {
     const std::vector<std::byte> data = read_cache(file_, adapter);
-    VkPipelineCacheCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+    auto info = structure<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
     info.initialDataSize = data.size();
     info.pInitialData = data.data();
     if (table_.vkCreatePipelineCache(device_, &info, nullptr, &handle_) != VK_SUCCESS) {

@@ -1,8 +1,10 @@
 // Vulkan does not say how a device rounds, nor the size of subgroups where it varies. These run shaders to find out.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "gpu/vulkan/commands.hpp"
@@ -27,6 +29,19 @@ std::vector<Real> operand_pairs(std::uint32_t count) {
     return pairs;
 }
 
+// Runs a pass and waits until the host can read its results.
+void run(Device& device, const Pass& pass, std::span<const BufferBinding> bindings, std::uint32_t count,
+         const Buffer& results) {
+    Commands commands(device);
+    commands.begin();
+    commands.dispatch(pass, bindings, push_bytes(ScanPush{count}), count);
+    commands.barrier_to_host();
+    commands.end();
+    commands.submit();
+    commands.wait();
+    results.invalidate();
+}
+
 template <class Real>
 bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
     constexpr std::uint32_t count = 256;
@@ -38,15 +53,8 @@ bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
     const auto pairs = operand_pairs<Real>(count);
     std::memcpy(operands.mapped().data(), pairs.data(), 2 * count * sizeof(Real));
     operands.flush();
-    Commands commands(device);
-    commands.begin();
-    const BufferBinding bindings[] = {{BINDING_RAW, &operands}, {BINDING_GEOMETRY, &results}};
-    commands.dispatch(pass, bindings, push_bytes(ScanPush{count}), count);
-    commands.barrier_to_host();
-    commands.end();
-    commands.submit();
-    commands.wait();
-    results.invalidate();
+    run(device, pass, std::array<BufferBinding, 2>{{{BINDING_RAW, &operands}, {BINDING_GEOMETRY, &results}}}, count,
+        results);
     const auto found = results.as<Real>();
     for (std::uint32_t i = 0; i < count; ++i) {
         const Real a = pairs[2 * i], b = pairs[2 * i + 1];
@@ -76,15 +84,7 @@ std::uint32_t probe_subgroup_size(Device& device) {
                              .push_bytes = sizeof(ScanPush),
                              .local_size = TILE_GROUP});
     const Buffer sizes = memory.buffer(count * sizeof(std::uint32_t), MemoryKind::download, "sizes");
-    Commands commands(device);
-    commands.begin();
-    const BufferBinding bindings[] = {{BINDING_SCAN_DATA, &sizes}};
-    commands.dispatch(pass, bindings, push_bytes(ScanPush{count}), count);
-    commands.barrier_to_host();
-    commands.end();
-    commands.submit();
-    commands.wait();
-    sizes.invalidate();
+    run(device, pass, std::array{BufferBinding{BINDING_SCAN_DATA, &sizes}}, count, sizes);
     const auto found = sizes.as<std::uint32_t>();
     return std::ranges::count(found, found[0]) == count ? found[0] : 0;
 }

@@ -55,8 +55,7 @@ DescriptorSets::Pool& DescriptorSets::pool_for(std::uint32_t descriptors) {
     const std::uint32_t sets = 32u << std::min<std::size_t>(pools_.size(), 8);
     Pool pool{VK_NULL_HANDLE, sets, std::max(8 * sets, descriptors), sets, std::max(8 * sets, descriptors)};
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, pool.max_descriptors};
-    VkDescriptorPoolCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+    auto info = structure<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
     info.maxSets = pool.max_sets;
     info.poolSizeCount = 1;
     info.pPoolSizes = &size;
@@ -79,8 +78,7 @@ VkDescriptorSet DescriptorSets::get(const Pass& pass, std::span<const VkDescript
     const auto count = static_cast<std::uint32_t>(infos.size());
     Pool& pool = pool_for(count);
     const VkDescriptorSetLayout layout = pass.set_layout();
-    VkDescriptorSetAllocateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+    auto info = structure<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
     info.descriptorPool = pool.handle;
     info.descriptorSetCount = 1;
     info.pSetLayouts = &layout;
@@ -214,8 +212,7 @@ void Recorder::dispatch_indirect(const Pass& pass, std::span<const BufferBinding
 
 void Recorder::memory_barrier(VkAccessFlags to, VkPipelineStageFlags stages) {
     if (buffer_ == VK_NULL_HANDLE) return;
-    VkMemoryBarrier all{};
-    all.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+    auto all = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
     all.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
     all.dstAccessMask = to;
     device_.table().vkCmdPipelineBarrier(buffer_, work, stages, 0, 1, &all, 0, nullptr, 0, nullptr);
@@ -247,8 +244,7 @@ void Recorder::write_timestamp(VkQueryPool pool, std::uint32_t query) {
 Recorder::Label::Label(Recorder& recorder, const char* text) : recorder_(recorder) {
     recorder.expect_open("label");
     if (recorder.buffer_ == VK_NULL_HANDLE || !recorder.device_.instance().debug_utils()) return;
-    VkDebugUtilsLabelEXT label{};
-    label.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT;
+    auto label = structure<VkDebugUtilsLabelEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT);
     label.pLabelName = text;
     recorder.device_.instance().calls().vkCmdBeginDebugUtilsLabelEXT(recorder.buffer_, &label);
 }
