@@ -62,8 +62,8 @@ class _New:
     """A pointer to the pointer of a handle, which the library sets."""
 
     @staticmethod
-    def from_param(handle: Any) -> Any:
-        return ctypes.byref(getattr(handle, "pointer", handle))
+    def from_param(value: Any) -> Any:
+        return ctypes.byref(value.pointer) if hasattr(value, "pointer") else c_void_p.from_param(value)
 
 
 class Struct(ctypes.Structure):

@@ -229,11 +229,20 @@ class Callbacks:
         return self.guarded(_c_api.ProgressCallback, call, 0)
 
 
-def run(function: Any, *arguments: Any, options: _c_api.Struct, progress: Union[None, bool, Progress] = None) -> int:
-    """Returns the status of ``function(*arguments)``, which calls the progress of ``options``, one of the arguments."""
-    with showing(progress) as show, Callbacks() as callbacks:
-        options.progress = callbacks.progress(show)
-        return int(function(*arguments))
+def run(
+    function: Any, *arguments: Any, options: _c_api.Struct, progress: Union[None, bool, Progress] = None, returned: int = _c_api.OK
+) -> int:
+    """Calls ``function(*arguments)``, which calls the progress of ``options``, one of the arguments. Raises for a failure.
+
+    ``returned``: a status that is returned instead.
+    """
+    with showing(progress) as show:
+        with Callbacks() as callbacks:
+            options.progress = callbacks.progress(show)
+            status = int(function(*arguments))
+        if status != returned:
+            raise_on_failure(status)
+    return status
 
 
 def watched(function: Any, *arguments: Any) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_number, as_word, require_one_of, shown
-from ._call import Handle, raise_on_failure, run
+from ._call import Handle, run
 from ._input import as_box, as_cell, as_mesh, as_origin, as_periodic, as_walls
 from ._library import lib
 
@@ -405,7 +405,7 @@ class Domain:
         if self.is_hull and points is not None:
             given = np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
             hull = Handle("hull")
-            raise_on_failure(run(lib.votess_hull_new, given, len(given), options, hull, options=options))
+            run(lib.votess_hull_new, given, len(given), options, hull, options=options)
             facets = hull.array("walls")
             options.walls, options.wall_count = facets, len(facets)
 

@@ -71,5 +71,5 @@ def tessellate_points(
 
     function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
     result = Handle("result")
-    raise_on_failure(run(function, tessellator, array, len(array), options, result, options=options, progress=progress))
+    run(function, tessellator, array, len(array), options, result, options=options, progress=progress)
     return result, array, wanted, domain

@@ -11,7 +11,7 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_axis, as_each_axis, as_flag, as_word
 from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, WantName
-from ._call import Handle, Progress, raise_on_failure, run
+from ._call import Handle, Progress, run
 from ._domain import Domain, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points, fill_weights
 from ._library import lib
@@ -102,7 +102,7 @@ class Diagram:
         fill_weights(options, weights, radii, len(array))
         self._handle = Handle("diagram")
         arguments = (array, len(array), options, self._handle)
-        raise_on_failure(run(lib.votess_diagram_new, *arguments, options=options, progress=progress))
+        run(lib.votess_diagram_new, *arguments, options=options, progress=progress)
         self._domain = given
         self._where = given._text() if given._has_ends else given._text().replace("default box", "domain without end")
         #: Corners of what a picture shows: the domain, or where the seeds are.
@@ -155,7 +155,7 @@ class Diagram:
             return int(lib.votess_diagram_view(self._handle, options, view) or query(view, *arguments))
 
         options = new_options(device="cpu")
-        raise_on_failure(run(call, options, options=options, progress=progress))
+        run(call, options, options=options, progress=progress)
 
     def locate(
         self, queries: npt.ArrayLike, progress: Union[None, bool, Progress] = None

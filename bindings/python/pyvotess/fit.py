@@ -147,7 +147,9 @@ def fit_volumes(
 
     fit = Handle("fit")
     arguments = (array, count, targets, options, fit_options, fit)
-    status = run(lib.votess_fit_volumes, *arguments, options=options, progress=progress)
+    status = run(
+        lib.votess_fit_volumes, *arguments, options=options, progress=progress, returned=ErrorCode.NOT_CONVERGED
+    )
     if not fit.pointer:
         raise_on_failure(status)
     stats = _c_api.FitStats()

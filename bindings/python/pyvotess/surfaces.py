@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, as_path
-from ._call import Handle, Progress, raise_on_failure, run, showing
+from ._call import Handle, Progress, run, showing
 from ._input import as_array, as_one_each, as_points
 from ._library import lib
 from .fields.lloyd import _as_mask, _share
@@ -186,7 +186,7 @@ def surface(
     options = _c_api.SurfaceOptions(threads=as_count(threads, "threads", 32), weights=given, merge=as_flag(merge, "merge"))
     handle = Handle("surface")
     arguments = (seeds, len(seeds), places, len(places), rows, len(rows), options, handle)
-    raise_on_failure(run(lib.votess_surface_new, *arguments, options=options, progress=progress))
+    run(lib.votess_surface_new, *arguments, options=options, progress=progress)
     return SurfaceCells(**handle.arrays(*SurfaceCells.__dataclass_fields__))
 
 
