@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/packed.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
@@ -34,10 +35,21 @@ public:
         const auto bytes = std::as_bytes(values);
         bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     }
+    // Puts an array in fewer bytes, for Reader::unpack().
+    template <class T>
+    void pack(const std::vector<T>& values) {
+        const PackedHead head = votess::pack(std::span(values), packed_);
+        put(head);
+        if (head.is_plain())
+            append(std::span(values));
+        else
+            append(std::span(std::as_const(packed_)));
+    }
     [[nodiscard]] Message take() { return std::move(bytes_); }
 
 private:
     Message bytes_;
+    std::vector<std::byte> packed_;
 };
 
 // Throws invalid_argument when the bytes do not have the form that is read.
@@ -59,6 +71,18 @@ public:
         values.resize(count);
         if (count > 0) std::memcpy(values.data(), take(count * sizeof(T)), count * sizeof(T));
     }
+    // most: the number of values that the array may have.
+    template <class T>
+    void unpack(std::vector<T>& values, std::uint64_t most) {
+        PackedHead head;
+        get(head);
+        if (!head.is_valid() || head.each != sizeof(T) || head.count > most || head.size > bytes_.size()) refuse();
+        values.resize(static_cast<std::size_t>(head.count));
+        const auto size = static_cast<std::size_t>(head.size);
+        const auto to = std::as_writable_bytes(std::span(values));
+        if (Unpacker(head).unpack({take(size), size}, to).written < to.size()) refuse();
+    }
+    [[nodiscard]] std::size_t left() const { return bytes_.size(); }  // bytes
     void end() const {
         if (!bytes_.empty()) refuse();
     }

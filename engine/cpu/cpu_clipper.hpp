@@ -65,6 +65,11 @@ public:
     void keep_sample(ResultBuilder& out);
     // Replaces clip_all(): makes the cells of the job's subset.
     void clip_only(ResultBuilder& out, const Share& share);
+    // After another call: makes cells of the same seeds. job: with another want, and a subset.
+    void clip_more(const Job& job, ResultBuilder& out, const Share& share) {
+        job_ = job;
+        clip_only(out, share);
+    }
     // Replaces clip_all(): makes the cells of the first `count` points of the job, those of the result. The other
     // points are only neighbors. powers: by cell, Star::power_found(), or the power of all vertices of a clipped cell.
     void clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share);

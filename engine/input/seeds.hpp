@@ -52,16 +52,16 @@ struct Seeds {
     }
 
     void put_to(Writer& writer) const {
-        writer.put(ids);
-        writer.put(points);
-        writer.put(weights);
-        writer.put(tags);
+        writer.pack(ids);
+        writer.pack(points);
+        writer.pack(weights);
+        writer.pack(tags);
     }
     void get_from(Reader& reader) {
-        reader.get(ids);
-        reader.get(points);
-        reader.get(weights);
-        reader.get(tags);
+        reader.unpack(ids, reader.left());  // each takes a byte or more
+        reader.unpack(points, 3 * ids.size());
+        reader.unpack(weights, ids.size());
+        reader.unpack(tags, ids.size());
     }
 };
 

@@ -128,7 +128,6 @@ private:
     bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
     Want want_;
     bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, ranked_ = false;
-    std::span<const std::int32_t> row_order_;  // see Job
     double unscale_ = 1;
     CellCounters counters_;
     FaceTally tally_;

@@ -27,7 +27,13 @@ struct BlockDomainState {
 };
 
 struct BlockState {
-    BlockState(const BlockDomain& whole, Seeds own) : domain(whole), block(domain.of_blocks(), std::move(own)) {}
+    BlockState(const BlockDomain& whole, Seeds own)
+        : domain(whole), block(with_rows(whole.of_blocks()), std::move(own)) {}
+    // BlockCells have rows, and counts() needs them.
+    static Settled with_rows(Settled run) {
+        run.want.neighbors = true;
+        return run;
+    }
     BlockDomain domain;
     blocks::LocalBlock block;
 };
