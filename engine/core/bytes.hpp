@@ -38,18 +38,15 @@ public:
     // Puts an array in fewer bytes, for Reader::unpack().
     template <class T>
     void pack(const std::vector<T>& values) {
-        const PackedHead head = votess::pack(std::span(values), packed_);
+        std::vector<std::byte> packed;
+        const PackedHead head = votess::pack(std::span(values), packed);
         put(head);
-        if (head.is_plain())
-            append(std::span(values));
-        else
-            append(std::span(std::as_const(packed_)));
+        append(head.is_plain() ? std::as_bytes(std::span(values)) : std::span<const std::byte>(packed));
     }
     [[nodiscard]] Message take() { return std::move(bytes_); }
 
 private:
     Message bytes_;
-    std::vector<std::byte> packed_;
 };
 
 // Throws invalid_argument when the bytes do not have the form that is read.

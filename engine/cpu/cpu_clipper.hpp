@@ -139,6 +139,7 @@ private:
     // Scratch memory, kept from job to job.
     Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
     bool positions_known_ = false;
+    Buffer<std::int32_t> row_places_;  // by sorted seed, if the job has a row_order
     std::vector<std::int32_t> order_;  // sorted seeds to clip
     std::vector<std::size_t> blocks_;  // beginnings of blocks, and the end of the last
     std::vector<bool> chosen_;

@@ -20,7 +20,6 @@ struct SortedSeeds {
     static constexpr auto pages = Buffer<double>::Pages::huge;
     Buffer<double> x{pages}, y{pages}, z{pages};
     Buffer<std::int32_t> input;              // M: index in the input
-    Buffer<std::int32_t> row_places;         // M: place in Job::row_order; or empty
     std::vector<std::int32_t> duplicate_of;  // N if there are duplicates, else empty; -1 for seeds that have a cell
     std::size_t duplicates = 0;
     const SeedImages* images = nullptr;  // of a periodic domain, else null

@@ -40,7 +40,8 @@ inline void narrow(const exact::Shift& shift, std::int8_t* out) {
 
 }  // namespace
 
-void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out) {
+void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span<const std::int32_t> row_places,
+                           ResultBuilder& out) {
     kernels_ = &kernels;
     out_ = &out;
     want_ = job.want;
@@ -56,6 +57,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     placed_ = needs_geometry(want_);
     measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
     ranked_ = measured_ || want_.neighbors;
+    row_places_ = row_places;
     unscale_ = 1 / job.scale;
     counters_ = {};
     const Box& box = domain_->box;
@@ -352,9 +354,9 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
     wall_faces_ = walls;
     hidden_ = walls_ ? 0 : walls;
     const std::int32_t* keys = names_.data();
-    if (!seeds_.row_places.empty()) {
+    if (!row_places_.empty()) {
         keys_.resize(count);
-        const std::int32_t* const places = seeds_.row_places.data();
+        const std::int32_t* const places = row_places_.data();
         for (std::size_t f = 0; f < count; ++f)
             keys_[f] = ids[f] < 0 ? ids[f] : places[images == nullptr ? ids[f] : images->home(ids[f])];
         keys = keys_.data();
@@ -374,7 +376,7 @@ bool CellWriter::ranks_differ() const {
 }
 
 void CellWriter::rank_labels() {
-    const std::vector<std::int32_t>& keys = seeds_.row_places.empty() ? names_ : keys_;
+    const std::vector<std::int32_t>& keys = row_places_.empty() ? names_ : keys_;
     order_.resize(ranked_ids_.size());
     std::iota(order_.begin(), order_.end(), 0u);
     std::ranges::sort(order_, {}, [&](std::uint32_t f) { return std::pair(keys[f], shift_of(f)); });

@@ -135,7 +135,7 @@ void LocalBlock::make_requests() {
         std::vector<std::int32_t> cells;
         for (const auto& some : tested) cells.insert(cells.end(), some.begin(), some.end());
         std::ranges::sort(cells);
-        all_.clip_rows(std::move(cells));
+        if (!cells.empty()) all_.clip_rows(std::move(cells));
     }
     pool.run(tiles,
              [&](std::size_t tile, unsigned worker) { pending[tile] = requesters[worker].pending_of_tile(tile); });
