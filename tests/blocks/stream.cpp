@@ -353,7 +353,6 @@ TEST_CASE("stream: coordinates that float32 holds take half the room, and runs w
     const double wide = bytes();
     for (double& x : set.points) x = static_cast<float>(x);
     const double narrow = bytes();
-    MESSAGE(wide, " and ", narrow, " bytes a seed");
     CHECK(narrow < 0.7 * wide);
 }
 

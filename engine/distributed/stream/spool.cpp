@@ -60,7 +60,6 @@ void TemporaryFile::read(std::uint64_t at, std::span<std::byte> to) const {
 void Spool::append_bytes(std::span<const std::byte> bytes) {
     if (bytes.empty()) return;
     const std::uint64_t at = file_->append(bytes);
-    size_ += bytes.size();
     if (!extents_.empty() && extents_.back().at + extents_.back().size == at)
         extents_.back().size += bytes.size();
     else
