@@ -4,8 +4,8 @@
     tools/options.py            writes votess.hpp, votess.h, engine/input/each_option.hpp and Python
     tools/options.py --check    writes nothing; exit code 1 if a file differs from the table
 
-An option that a file has keeps its place there. A new one follows the row before it; in votess.h and in ctypes it comes
-last, because their order is a promise. Afterwards tools/format.sh aligns comments.
+An option that a file has keeps its place there. A new one follows the row before it; in votess.h it comes last, because
+its order is a promise. Afterwards tools/format.sh aligns comments.
 """
 import pathlib
 import re
@@ -15,12 +15,10 @@ from dataclasses import dataclass
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 HPP, H, EACH = "include/votess/votess.hpp", "include/votess/votess.h", "engine/input/each_option.hpp"
-CTYPES, PYTHON = "bindings/python/pyvotess/_c_api.py", "bindings/python/pyvotess/tessellator.py"
-DOMAIN = "bindings/python/pyvotess/_domain.py"
-# kind in the table: types in C++, C, ctypes and Python
-TYPES = {"Flag": ("bool", "int32_t", "c_int32", "bool"), "Count": ("unsigned", "uint32_t", "c_uint32", "int"),
-         "Number": ("double", "double", "c_double", "float"), "Word": ("ENUM", "int32_t", "c_int32", "ENUMWord"),
-         "Text": ("std::string", "const char*", "c_char_p", "str")}
+PYTHON, DOMAIN = "bindings/python/pyvotess/tessellator.py", "bindings/python/pyvotess/_domain.py"
+# kind in the table: types in C++, C and Python
+TYPES = {"Flag": ("bool", "int32_t", "bool"), "Count": ("unsigned", "uint32_t", "int"), "Number": ("double", "double", "float"),
+         "Word": ("ENUM", "int32_t", "ENUMWord"), "Text": ("std::string", "const char*", "str")}
 
 
 @dataclass
@@ -54,15 +52,12 @@ class Row:
                    "Word": "std::array{" + ", ".join(f'"{word}"' for word in self.words) + "}"}.get(self.kind, "anything")
         return f'    use("{self.name}", &Options::{self.name}, &votess_options::{self.name}, {allowed});\n'
 
-    def ctypes_field(self):
-        return f'        ("{self.name}", {self.types()[2]}),\n'
-
     def argument(self, indent):
         start = {"Flag": "False", "Count": self.start, "Number": self.start + ("" if "." in self.start else ".0")}
-        return f"{indent}{self.name}: {self.types()[3]} = " + start.get(self.kind, f'"{self.start}"') + ",\n"
+        return f"{indent}{self.name}: {self.types()[2]} = " + start.get(self.kind, f'"{self.start}"') + ",\n"
 
     def keyword(self):
-        return f"    {self.name}: {self.types()[3]}\n"
+        return f"    {self.name}: {self.types()[2]}\n"
 
     def docstring(self):
         words = " or ".join(f'"{word}"' for word in self.words) + "; " if self.words else ""
@@ -110,11 +105,10 @@ def put(rows, text, begin, end, old, new, last=False):
 
 def copies(rows):
     """Returns the new text of each file."""
-    text = {name: (ROOT / name).read_text() for name in (HPP, H, EACH, CTYPES, PYTHON, DOMAIN)}
+    text = {name: (ROOT / name).read_text() for name in (HPP, H, EACH, PYTHON, DOMAIN)}
     text[HPP] = put(rows, text[HPP], r"struct Options \{\n", r"\};\n//", r"(?:^    // .*\n)*^    [\w:]+ NAME( =.*)?;.*\n", Row.cpp)
     text[H] = put(rows, text[H], r"struct votess_options \{\n", r"\} votess_options", r"^    (?:const )?\w+\*? NAME;.*\n", Row.c, True)
     text[EACH] = put(rows, text[EACH], r"each_option\(const Use& use\) \{\n", r"\}\n", r'^    use\("NAME".*\n', Row.call)
-    text[CTYPES] = put(rows, text[CTYPES], r"class Options\(", r"    \]\n", r'^        \("NAME".*\n', Row.ctypes_field, True)
     for begin, places in (("\ndef tessellate", ("device", "call")), ("    def __init__", ("device",)), ("    def tessellate", ("call",))):
         those = [row for row in rows if row.place in places]
         indent = "    " if len(places) > 1 else "        "

@@ -29,7 +29,7 @@ votess::Options block_options(const PointSet& set) {
 
 void check_blocks(const PointSet& set, const votess::Options& options) {
     const auto whole = votess::tessellate(set.points, options);
-    for (const std::size_t blocks : {1, 2, 3, 8}) {
+    for (const std::size_t blocks : {1, 3, 8}) {
         CAPTURE(set.name);
         CAPTURE(blocks);
         CHECK(test::difference(test::in_blocks(set.points, options, blocks), whole) == "");
@@ -99,8 +99,8 @@ TEST_CASE("blocks: triclinic boxes, weights and walls") {
 TEST_CASE("blocks: sets of the kinds of the fuzz") {
     std::uint64_t sets = 0;
     for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
-        const std::uint64_t usual = kind.name == "many" ? 1 : 25;
-        const std::uint64_t count = test::by_size(usual, usual / 20 + 1);
+        const std::uint64_t usual = kind.name == "many" ? 1 : 12;
+        const std::uint64_t count = test::by_size(usual, usual / 10 + 1);
         for (std::uint64_t number = 1; number <= count; ++number) {
             CAPTURE(kind.name);
             CAPTURE(number);
@@ -128,9 +128,9 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
 // Each set in its hull, and its x and y in the plane, in a box and in their hull.
 TEST_CASE("blocks: sets of the kinds of the fuzz in the plane and in their hull") {
     std::uint64_t sets = 0;
-    const std::uint64_t usual = test::by_size(6, 1);
+    const std::uint64_t usual = test::by_size(4, 1);
     for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
-        const std::uint64_t count = kind.name == "many" ? usual / 6 : usual;
+        const std::uint64_t count = kind.name == "many" ? usual / 4 : usual;
         for (std::uint64_t number = 1; number <= count; ++number)
             for (const test::fuzz::Job& job : test::fuzz::make_case(kind, number).jobs)
                 for (const int domain : {0, 2, 4}) {

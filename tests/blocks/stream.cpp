@@ -128,40 +128,38 @@ TEST_CASE("stream: periodic along subsets of the axes") {
 
 TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") {
     test::Random random(3);
-    for (const PointSet& set : {test::uniform(some, 1), test::clustered(some, 2)}) {
-        if (test::reduced() && set.name == "uniform") continue;
-        votess::Options options = stream_options(set);
-        options.box.reset();
-        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
-        check_stream(set, options);
-        options.cell->periodic = {true, false, true};
-        options.outside = votess::Outside::drop;
-        check_stream(set, options);
+    const PointSet set = test::clustered(some, 2);
+    votess::Options options = stream_options(set);
+    options.box.reset();
+    options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
+    check_stream(set, options);
+    options.cell->periodic = {true, false, true};
+    options.outside = votess::Outside::drop;
+    check_stream(set, options);
 
-        std::vector<double> radii(set.size());
-        for (double& r : radii) r = random.uniform(0, 0.12);
-        options = stream_options(set);
-        options.radii = radii;
-        check_stream(set, options);
-        CHECK(test::difference(test::streamed(set.points, options, little, 1000, true),
-                               votess::tessellate(set.points, options)) == "");
-        options.radii = {};
-        options.weights = radii;
-        options.periodic = {true, true, true};
-        check_stream(set, options);
+    std::vector<double> radii(set.size());
+    for (double& r : radii) r = random.uniform(0, 0.12);
+    options = stream_options(set);
+    options.radii = radii;
+    check_stream(set, options);
+    CHECK(test::difference(test::streamed(set.points, options, little, 1000, true),
+                           votess::tessellate(set.points, options)) == "");
+    options.radii = {};
+    options.weights = radii;
+    options.periodic = {true, true, true};
+    check_stream(set, options);
 
-        options = stream_options(set);
-        options.box.reset();
-        options.outside = votess::Outside::drop;
-        options.walls = test::octahedron(0.6);
-        check_stream(set, options);
-    }
+    options = stream_options(set);
+    options.box.reset();
+    options.outside = votess::Outside::drop;
+    options.walls = test::octahedron(0.6);
+    check_stream(set, options);
 }
 
 TEST_CASE("stream: the plane") {
     test::Random random(5);
-    for (const PointSet& space : {test::uniform(some, 1), test::clustered(some, 2), test::cubic(14),
-                                  test::with_duplicates(2500, 500, 6), test::nested_clusters(3000, 3)}) {
+    for (const PointSet& space : {test::clustered(some, 2), test::cubic(14), test::with_duplicates(2500, 500, 6),
+                                  test::nested_clusters(3000, 3)}) {
         if (test::reduced() && space.name != "clustered") continue;
         const PointSet set = test::in_plane(space);
         votess::Options options = stream_options(set);
@@ -192,6 +190,7 @@ TEST_CASE("stream: the plane") {
 
 TEST_CASE("stream: boxes without end") {
     constexpr double end = std::numeric_limits<double>::infinity();
+    std::size_t number = 0;  // each set has another two of the kinds of ends
     for (const bool planar : {false, true})
         for (const PointSet& space :
              {test::uniform(some, 1), test::clustered(some, 2), test::cubic(14), test::on_sphere(200, 6),
@@ -211,8 +210,8 @@ TEST_CASE("stream: boxes without end") {
                     if ((ends >> 2 * k & 2) != 0) options.box->upper[k] = end;
                 }
                 if (planar) options.box->lower[2] = options.box->upper[2] = 0;
-                if (planar && ends == 32u) continue;
-                if (ends == 63u) check_stream(set, options);
+                if ((planar && ends == 32u) || (++number % 3 == 0 && space.name != "clustered")) continue;
+                if (ends == 63u && space.name == "clustered") check_stream(set, options);
                 options.list_walls = true;
                 options.want.areas = options.want.surfaces = options.want.radii = true;
                 check_stream(set, options);
@@ -232,9 +231,8 @@ TEST_CASE("stream: boxes without end") {
 
 TEST_CASE("stream: the convex hull") {
     for (const bool planar : {false, true})
-        for (const PointSet& space :
-             {test::uniform(3000, 1), test::clustered(3000, 2), test::cubic(14), test::on_walls(3000, 5),
-              test::with_duplicates(2500, 500, 6), test::on_sphere_and_center(300, 4)}) {
+        for (const PointSet& space : {test::clustered(3000, 2), test::cubic(14), test::on_walls(2000, 5),
+                                      test::with_duplicates(2500, 500, 6), test::on_sphere_and_center(300, 4)}) {
             if (test::reduced() && space.name != "on walls") continue;
             CAPTURE(space.name);
             const PointSet set = planar ? test::in_plane(space) : space;

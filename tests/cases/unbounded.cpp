@@ -237,7 +237,7 @@ TEST_SUITE("cases") {
         test::Random random(5);
         std::size_t sets = 0, open = 0, number = 0;
         for (std::uint64_t seed = 1; seed <= 2; ++seed)
-            for (const test::PointSet& set : test::families(seed % 2 == 0 ? 12 : 31, seed)) {
+            for (const test::PointSet& set : test::families(seed % 2 == 0 ? 12 : 24, seed)) {
                 CAPTURE(set.name);
                 CAPTURE(seed);
                 if ((seed == 1 || test::reduced()) && number++ % 3 != 0) continue;  // these take longer
@@ -320,7 +320,7 @@ TEST_SUITE("cases") {
         for (std::size_t trial = 0; trial < test::by_size(6, 3); ++trial) {
             CAPTURE(trial);
             const bool planar = trial % 3 == 2, skewed = trial >= 3;
-            const auto set = test::uniform(test::by_size(400, 90), static_cast<std::uint64_t>(trial));
+            const auto set = test::uniform(test::by_size(250, 90), static_cast<std::uint64_t>(trial));
             Coordinates points;
             std::vector<double> weights;
             for (std::size_t x = 0; x < set.points.size(); ++x)  // images of these are doubles
@@ -365,8 +365,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("unbounded: many seeds, with all arrays") {
-        const std::size_t n = test::by_size(2000, 500);
-        for (test::PointSet set : {test::uniform(n, 1), test::with_duplicates(n, 40, 3), test::cubic(12),
+        const std::size_t n = test::by_size(1200, 500);
+        for (test::PointSet set : {test::uniform(n, 1), test::with_duplicates(n, 40, 3), test::cubic(10),
                                    test::scaled(test::clustered(n, 4), 0x1p-100)}) {
             CAPTURE(set.name);
             Options options = endless_options();
@@ -417,7 +417,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("unbounded: Delaunay tetrahedra of few points turn the right way") {
         test::Random random(21);
-        for (std::size_t trial = 0; trial < test::by_size(300, 60); ++trial) {
+        for (std::size_t trial = 0; trial < test::by_size(150, 60); ++trial) {
             Coordinates points;
             const std::size_t n = 4 + random.below(4);
             for (std::size_t i = 0; i < 3 * n; ++i) points.push_back(random.uniform(-1, 1));

@@ -10,7 +10,7 @@
 
 TEST_SUITE("cases") {
     TEST_CASE("vertices: uniform seeds, each interior vertex is shared by four cells") {
-        const auto set = test::uniform(test::by_size(100000, 5000), 71);
+        const auto set = test::uniform(test::by_size(30000, 5000), 71);
         const auto t = test::mesh_of(set);
         CHECK(test::check_mesh(t, set.points) == "");
         const auto cells = test::cells_of_vertices(t);

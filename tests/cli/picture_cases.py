@@ -47,12 +47,12 @@ def colored(image):
 
 
 class Pictures(CliTest):
-    def picture(self, *arguments, size="400x300", **options):
+    def picture(self, *arguments, size="200x150", **options):
         self.run_cli(*arguments, "-q", "--image", "a.png", "--image-size", size, **options)
         return read_png(self.folder / "a.png")
 
     def test_solid(self):
-        image = self.picture("--random", 500)
+        image = self.picture("--random", 500, size="400x300")
         self.assertEqual(image.shape, (300, 400, 3))
         self.assertTrue((image[[0, 0, -1, -1], [0, -1, 0, -1]] == 255).all())
         self.assertGreater(colored(image).mean(), 0.3)
@@ -132,6 +132,6 @@ class Pictures(CliTest):
     def test_without_driver(self):
         """Pictures need no Vulkan."""
         seen = self.picture("--random", 300)
-        self.run_cli("--random", 300, "-q", "--image", "b.png", "--image-size", "400x300",
+        self.run_cli("--random", 300, "-q", "--image", "b.png", "--image-size", "200x150",
                      env={**os.environ, **HIDDEN})
         self.assertTrue((read_png(self.folder / "b.png") == seen).all())

@@ -50,7 +50,7 @@ class ReaderTest(CliTest):
             damaged[at] ^= 1 << generator.randrange(8) if k % 2 else 0xFF
             cases.append((f"byte {at}", bytes(damaged)))
         refused = 0
-        environment = dict(os.environ, ASAN_OPTIONS="detect_leaks=0")  # in foreign code
+        environment = dict(os.environ, ASAN_OPTIONS="detect_leaks=0:handle_sigill=2")  # in foreign code
         for what, damaged in cases:
             (self.folder / name).write_bytes(damaged)
             done = subprocess.run([*MEMORY_LIMIT, CLI, name, "-q", "-t", "1", "-x", "cpu"], cwd=self.folder,

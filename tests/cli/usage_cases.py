@@ -322,12 +322,13 @@ class Usage(CliTest):
             self.assertNotIn("indices", arrays.files)  # computed for the check, not requested
 
     def test_exit_codes_of_library_errors(self):
-        for error, code in [("invalid_argument", 2), ("unsupported", 2), ("out_of_memory", 1), ("internal", 1),
-                            ("device_lost", 1)]:
-            environment = self.preloading(
-                "votess::Tessellation votess::tessellate(std::span<const double>, const Options&)"
-                f"{{ throw Error(ErrorCode::{error}, \"device 'gpu':\\nno luck\"); }}\n")
-            done = self.run_cli("--random", "50", "-x", "gpu", "-o", "out.txt", code=code, env=environment)
+        environment = self.preloading(
+            "#include <cstdlib>\n"
+            "votess::Tessellation votess::tessellate(std::span<const double>, const Options&)"
+            "{ throw Error(static_cast<ErrorCode>(std::atoi(std::getenv(\"ERROR\"))), \"device 'gpu':\\nno luck\"); }\n")
+        # As votess_status in C; invalid_argument, unsupported, out_of_memory, internal, device_lost.
+        for error, code in [(1, 2), (4, 2), (2, 1), (5, 1), (6, 1)]:
+            done = self.run_cli("--random", "50", "-x", "gpu", "-o", "out.txt", code=code, env={**environment, "ERROR": str(error)})
             self.assertEqual((done.stdout, done.stderr), ("", "clvotess: device 'gpu': no luck\n"))
             self.assertEqual(self.files(), [])
 

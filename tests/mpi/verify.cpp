@@ -51,12 +51,10 @@ votess::VerifyReport verified(const World& world, const Part& part, std::size_t 
     return votess::mpi::verify(world.comm, part.result, made ? std::vector<double>() : part.points, options);
 }
 
-void passes(World& world, const Input& input) {
-    for (const Cells cells : {Cells::handed_in, Cells::made}) {
-        const votess::VerifyReport report = verified(world, part_of(world, input, cells), 100);
-        if (!report.passed || !report.skipped.empty() || report.sampled == 0)
-            world.wrong.push_back("verify, " + input.name + ": '" + report.failure + "'");
-    }
+void passes(World& world, const Input& input, Cells cells) {
+    const votess::VerifyReport report = verified(world, part_of(world, input, cells), 100);
+    if (!report.passed || !report.skipped.empty() || report.sampled == 0)
+        world.wrong.push_back("verify, " + input.name + ": '" + report.failure + "'");
 }
 
 void fails(World& world, const std::string& name, const Part& part, const std::string& words) {
@@ -164,7 +162,7 @@ void finds_damage(World& world) {
     // A seed that another one buries has no cell, whichever rank has which.
     Input buried = input_of({"buried", {0.5, 0.5, 0.5, 0.51, 0.5, 0.5, 0.1, 0.1, 0.1, 0.9, 0.9, 0.8}, unit_box()});
     buried.radii = {0.01, 0.3, 0.05, 0.05};
-    passes(world, buried);
+    for (const Cells cells : {Cells::handed_in, Cells::made}) passes(world, buried, cells);
     Part part = part_of(world, buried, Cells::handed_in);
     for (auto& status : part.result.cells.status)
         if (status == votess::CellStatus::empty) status = votess::CellStatus::certified;
@@ -183,8 +181,9 @@ std::vector<std::string> check_verify(MPI_Comm comm) {
     // Under sanitizers one input in four.
     const std::size_t step = std::getenv("VOTESS_TEST_REDUCED") != nullptr ? 4 : 1;
     const std::vector<Input> inputs = all_inputs();
+    std::size_t number = 0;
     for (std::size_t k = 0; k < inputs.size(); k += step)
-        if (inputs[k].size() > 0) passes(world, inputs[k]);
+        if (inputs[k].size() > 0) passes(world, inputs[k], number++ % 3 == 0 ? Cells::made : Cells::handed_in);
     finds_damage(world);
     return world.wrong;
 }

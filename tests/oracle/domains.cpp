@@ -13,7 +13,7 @@ TEST_SUITE("oracle") {
                 kind.name == "skewed")
                 continue;
             std::size_t tried = 0;
-            const std::uint64_t sets = test::by_size(40, 4);
+            const std::uint64_t sets = test::by_size(25, 4);
             for (std::uint64_t number = 1; number <= sets; ++number) {
                 const test::fuzz::Job job = test::fuzz::make_case(kind, number).jobs[0];
                 if (job.size() > 12) continue;

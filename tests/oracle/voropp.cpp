@@ -122,7 +122,7 @@ void compare_box(const Coordinates& points, const votess::Box& box, const std::a
 TEST_SUITE("oracle") {
     TEST_CASE("Voro++: boxes") {
         for (const test::PointSet& set :
-             {test::uniform(test::by_size(40000, 5000), 101), test::clustered(test::by_size(40000, 5000), 102),
+             {test::uniform(test::by_size(20000, 5000), 101), test::clustered(test::by_size(20000, 5000), 102),
               test::jittered(test::by_size(27, 12), 0.2, 103)}) {
             CAPTURE(set.name);
             compare_box(set.points, *set.box);
@@ -130,7 +130,7 @@ TEST_SUITE("oracle") {
     }
 
     TEST_CASE("Voro++: periodic boxes, each subset of the axes") {
-        for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(10000, 1000)})
+        for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(4000, 1000)})
             for (unsigned mask = 1; mask < 8; ++mask) {
                 CAPTURE(n);
                 CAPTURE(mask);
@@ -142,8 +142,7 @@ TEST_SUITE("oracle") {
     TEST_CASE("Voro++: triclinic cells, tilted and of high aspect") {
         for (const double tilt : {-0.45, 0.45})
             for (const double aspect : {1.0, 20.0})
-                for (const std::size_t n :
-                     {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(10000, 500)}) {
+                for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(4000, 500)}) {
                     CAPTURE(tilt);
                     CAPTURE(aspect);
                     CAPTURE(n);

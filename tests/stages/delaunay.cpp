@@ -321,7 +321,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("delaunay: cells clipped by Delaunay neighbors equal those of a search") {
         for (const test::PointSet& set : test::families(test::by_size(300, 60), 23)) check_cells(set);
-        check_cells(test::uniform(test::by_size(5000, 500), 24));
+        check_cells(test::uniform(test::by_size(2500, 500), 24));
         check_cells(test::cubic(test::by_size(12, 5)));
         check_cells(test::on_sphere(test::by_size(1200, 200), 25));
         check_cells(test::cospherical(test::by_size(3001, 101)));
@@ -388,7 +388,7 @@ TEST_SUITE("stages") {
             CellBuilder search(seeds, hierarchy);
             const votess::Domain domain = votess::box_domain(t.box(), {});
             search.begin_job(domain);
-            for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 5 : 1) {
+            for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 10 : 1) {
                 std::vector<std::int32_t> ids = test::faces_of(search.build(i));
                 for (auto& id : ids) id = id < 0 ? id : seeds.input[id];
                 std::ranges::sort(ids);
@@ -399,9 +399,9 @@ TEST_SUITE("stages") {
 
     TEST_CASE("hard cells: spheres among other seeds, for all threads and settings") {
         // Hard cells in some blocks only; with a center, which is no neighbor of most.
-        test::PointSet mixed = test::uniform(test::by_size(3000, 400), 29);
+        test::PointSet mixed = test::uniform(test::by_size(2000, 400), 29);
         for (const double radius : {0.2, 0.01}) {
-            const test::PointSet sphere = test::on_sphere(test::by_size(4000, 500), 30);
+            const test::PointSet sphere = test::on_sphere(test::by_size(2500, 500), 30);
             for (double x : sphere.points) mixed.points.push_back(0.5 + radius * x);
         }
         // Nothing inside the spheres.
@@ -412,8 +412,8 @@ TEST_SUITE("stages") {
             if (r > 0.199 || (r > 0.009 && r < 0.011)) hollow.points.insert(hollow.points.end(), p, p + 3);
         }
         for (const test::PointSet& set :
-             {mixed, hollow, test::on_sphere_and_center(test::by_size(3000, 300), 31),
-              test::on_sphere(test::by_size(3000, 300), 32), test::cospherical(test::by_size(3001, 101))}) {
+             {mixed, hollow, test::on_sphere_and_center(test::by_size(2000, 300), 31),
+              test::on_sphere(test::by_size(2000, 300), 32), test::cospherical(test::by_size(3001, 101))}) {
             CAPTURE(set.name);
             const auto one = test::run(set);
             CHECK(test::check_invariants(one, set.points) == "");

@@ -110,7 +110,7 @@ std::vector<test::PointSet> some_families(std::size_t n) {
 
 TEST_SUITE("stages") {
     TEST_CASE("exact clipper: random parts give the arrays of a full run, with 1, 2 and 5 threads") {
-        for (const test::PointSet& set : some_families(test::by_size(3000, 150))) {
+        for (const test::PointSet& set : some_families(test::by_size(1500, 150))) {
             CAPTURE(set.name);
             for (const unsigned threads : {1u, 2u, 5u}) {
                 auto options = test::all_options();
@@ -127,7 +127,7 @@ TEST_SUITE("stages") {
     TEST_CASE("exact clipper: cells that are clipped from lists have the digits of those that are walked") {
         std::uint64_t sets = 0;
         for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
-            const std::uint64_t usual = kind.name == "many" ? 1 : 20;
+            const std::uint64_t usual = kind.name == "many" ? 1 : 10;
             const std::uint64_t count = test::by_size(usual, usual / 10 + 1);
             for (std::uint64_t number = 1; number <= count; ++number) {
                 CAPTURE(kind.name);
@@ -185,7 +185,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("exact clipper: cancelling from the calling thread, then another job") {
-        const auto set = test::uniform(test::by_size(60000, 8000), 15);
+        const auto set = test::uniform(test::by_size(30000, 8000), 15);
         auto options = test::all_options(set.box);
         options.threads = 3;
         const auto caller = std::this_thread::get_id();

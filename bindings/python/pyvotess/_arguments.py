@@ -140,5 +140,5 @@ def as_want(want: Union[str, Iterable[_c_api.WantName]]) -> int:
             return 0
         names = ",".join(names)
     bits = ctypes.c_uint32()
-    raise_on_failure(lib.votess_want_of(as_text(names, "want"), ctypes.byref(bits)))
+    raise_on_failure(lib.votess_want_of(as_text(names, "want"), bits))
     return bits.value

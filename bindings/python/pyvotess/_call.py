@@ -8,7 +8,7 @@ import importlib
 import re
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, Iterator, List, Optional, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, Iterator, List, Optional, Tuple, Type, TypeVar, Union
 
 import numpy as np
 
@@ -83,8 +83,13 @@ class Handle:
     def made(cls, kind: str, function: Any, *arguments: Any) -> Handle:
         """Returns what ``function(*arguments, out)`` makes. Ctrl-C stops it."""
         handle = cls(kind)
-        raise_on_failure(watched(function, *arguments, ctypes.byref(handle.pointer)))
+        raise_on_failure(watched(function, *arguments, handle))
         return handle
+
+    @property
+    def _as_parameter_(self) -> Any:
+        """What ctypes passes."""
+        return self.pointer
 
     def arrays(self, *names: str) -> Dict[str, npt.NDArray[Any]]:
         return {name: self.array(name) for name in names}
@@ -97,7 +102,7 @@ class Handle:
         """
         found = _c_api.Array()
         read = getattr(self._library, f"votess_{self._kind}_array")
-        raise_on_failure(read(self.pointer, *part, name.encode(), ctypes.byref(found)))
+        raise_on_failure(read(self, *part, name.encode(), found))
         dtype = np.dtype(f"{found.kind.decode()}{found.bytes}")
         shape = (found.length,) if found.components == 1 else (found.length, found.components)
         if found.data:
@@ -224,12 +229,11 @@ class Callbacks:
         return self.guarded(_c_api.ProgressCallback, call, 0)
 
 
-def run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out: Any, progress: Any) -> None:
-    """Calls ``function(*arguments, options, out)`` with ``progress``, from :func:`showing`."""
-    with Callbacks() as callbacks:
-        options.progress = callbacks.progress(progress)
-        status = function(*arguments, ctypes.byref(options), out)
-    raise_on_failure(status)
+def run(function: Any, *arguments: Any, options: _c_api.Struct, progress: Union[None, bool, Progress] = None) -> int:
+    """Returns the status of ``function(*arguments)``, which calls the progress of ``options``, one of the arguments."""
+    with showing(progress) as show, Callbacks() as callbacks:
+        options.progress = callbacks.progress(show)
+        return int(function(*arguments))
 
 
 def watched(function: Any, *arguments: Any) -> int:
@@ -242,18 +246,36 @@ def watched(function: Any, *arguments: Any) -> int:
             lib.votess_set_progress(_c_api.ProgressCallback(), None)
 
 
-@contextlib.contextmanager
-def alone(lock: threading.Lock, what: str) -> Iterator[None]:
-    """Lets one call at a time into the block. ``what``: the object, for the error."""
-    if not lock.acquire(blocking=False):
-        raise VotessError(
-            f"this {what} is in use by another call, or was during fork(): use one for each thread",
-            ErrorCode.INVALID_USE,
-        )
-    try:
-        yield
-    finally:
-        lock.release()
+_Owner = TypeVar("_Owner", bound="OneCallAtATime")
+
+
+class OneCallAtATime:
+    """An object that serves one call at a time. A context manager."""
+
+    _kind: str  #: for errors
+    _lock: threading.Lock
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Lets one call at a time into the block."""
+        if not self._lock.acquire(blocking=False):
+            raise VotessError(
+                f"this {self._kind} is in use by another call, or was during fork(): use one for each thread",
+                ErrorCode.INVALID_USE,
+            )
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+    def close(self) -> None:
+        raise NotImplementedError
+
+    def __enter__(self: _Owner) -> _Owner:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
 
 # Display of progress=True: a bar of tqdm if it is installed, else a line on stderr.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import inspect
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, TypedDict, TypeVar, Union
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_number, as_word, require_one_of, shown
-from ._call import Handle, run
+from ._call import Handle, raise_on_failure, run
 from ._input import as_box, as_cell, as_mesh, as_origin, as_periodic, as_walls
 from ._library import lib
 
@@ -370,8 +369,8 @@ class Domain:
     def __repr__(self) -> str:
         return f"<pyvotess.Domain: {self._text()}>"
 
-    def _fill(self, options: _c_api.Options, points: Optional[npt.NDArray[Any]]) -> List[Any]:
-        """Sets the domain in the options, whose ``planar`` is set. Returns arrays that must live as long as they are used.
+    def _fill(self, options: _c_api.Options, points: Optional[npt.NDArray[Any]]) -> None:
+        """Sets the domain in the options, whose ``planar`` is set.
 
         ``points``: all of them, None if they come in parts. Then the caller makes the walls of a hull.
         """
@@ -379,7 +378,7 @@ class Domain:
         for name, size in self._sizes.items():
             if size != d:
                 raise ValueError(f"{name} has {size} dimensions, but points have {d}: give both the same")
-        box, walls, kept = self._values.get("box"), self._values.get("walls"), []
+        box, walls = self._values.get("box"), self._values.get("walls")
         if box is not None and not self.is_hull:
             lower, upper = ((-np.inf,) * d, (np.inf,) * d) if isinstance(box, str) else box.tolist()
             options.has_box, options.box_lower[:d], options.box_upper[:d] = 1, lower, upper
@@ -394,24 +393,21 @@ class Domain:
                 edge[:d] = vector
             options.cell_origin[:d] = self._values["origin"].tolist()
         if walls is not None:
-            kept.append(np.insert(walls, 2, 0.0, axis=1) if d == 2 else walls)
-            options.walls, options.wall_count = kept[0].ctypes.data, len(walls)
+            options.walls, options.wall_count = np.insert(walls, 2, 0.0, axis=1) if d == 2 else walls, len(walls)
         if self.surface is not None:
             vertices, triangles = self.surface
             options.has_mesh = 1
-            options.mesh_vertices, options.mesh_vertex_count = vertices.ctypes.data, len(vertices)
-            options.mesh_triangles, options.mesh_triangle_count = triangles.ctypes.data, len(triangles)
+            options.mesh_vertices, options.mesh_vertex_count = vertices, len(vertices)
+            options.mesh_triangles, options.mesh_triangle_count = triangles, len(triangles)
             options.mesh_merge = int("mesh_repair" in self._values)
             options.mesh_tolerance = self._values.get("mesh_tolerance", 0.0)
-            kept += self.surface
         options.outside = _c_api.OUTSIDE[self.outside]
         if self.is_hull and points is not None:
             given = np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
             hull = Handle("hull")
-            run(lib.votess_hull_new, (given.ctypes.data, len(given)), options, ctypes.byref(hull.pointer), None)
-            kept.append(hull.array("walls"))
-            options.walls, options.wall_count = kept[-1].ctypes.data, len(kept[-1])
-        return kept
+            raise_on_failure(run(lib.votess_hull_new, given, len(given), options, hull, options=options))
+            facets = hull.array("walls")
+            options.walls, options.wall_count = facets, len(facets)
 
 
 def _domain_of(keywords: Any) -> Domain:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
@@ -336,12 +336,8 @@ def as_periodic(periodic: Any, dimensions: Optional[int]) -> Union[bool, Tuple[b
     return tuple(flags)
 
 
-def fill_weights(options: _c_api.Options, weights: Any, radii: Any, count: int) -> List[Any]:
-    """Sets weights and radii of the points. Returns arrays that must live as long as the options are used."""
-    kept = []
+def fill_weights(options: _c_api.Options, weights: Any, radii: Any, count: int) -> None:
+    """Sets weights and radii of the points."""
     for name, values in (("weights", weights), ("radii", radii)):
         if values is not None:
-            array = as_one_each(values, name, count, "points")
-            setattr(options, name, array.ctypes.data if count else None)
-            kept.append(array)
-    return kept
+            setattr(options, name, as_one_each(values, name, count, "points"))

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, as_text, as_want, as_word
-from ._call import Handle, raise_on_failure, run, showing
+from ._call import Handle, raise_on_failure, run
 from ._domain import Domain, as_domain
 from ._input import as_only, as_points, fill_weights
 from ._library import lib
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def new_options(**given: Any) -> _c_api.Options:
     """Returns the library's defaults with the given values."""
     options = _c_api.Options()
-    raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
+    raise_on_failure(lib.votess_options_init(options, ctypes.sizeof(options)))
     set_options(options, given)
     return options
 
@@ -45,7 +45,7 @@ def set_options(options: _c_api.Options, given: Dict[str, Any]) -> None:
 def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
     """Returns the words of ``want`` for all arrays that the options imply."""
     implied = ctypes.c_uint32()
-    raise_on_failure(lib.votess_options_implied_want(ctypes.byref(options), ctypes.byref(implied)))
+    raise_on_failure(lib.votess_options_implied_want(options, implied))
     return tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
 
 
@@ -63,15 +63,13 @@ def tessellate_points(
     given["planar"] = array.shape[1] == 2
     only = as_only(given.pop("only", None), len(array))
     set_options(options, given)
-    kept = domain._fill(options, array) + fill_weights(options, weights, radii, len(array))
+    domain._fill(options, array)
+    fill_weights(options, weights, radii, len(array))
     if only is not None:
-        options.has_only, options.only_count, options.only = 1, len(only), only.ctypes.data
+        options.has_only, options.only_count, options.only = 1, len(only), only
     wanted = implied_words(options)
 
     function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
     result = Handle("result")
-    arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
-    with showing(progress) as call:
-        run(function, arguments, options, ctypes.byref(result.pointer), call)
-    del kept
+    raise_on_failure(run(function, tessellator, array, len(array), options, result, options=options, progress=progress))
     return result, array, wanted, domain

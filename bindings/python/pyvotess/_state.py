@@ -64,7 +64,7 @@ def _constant(values: Any) -> Float64Array:
 
 
 def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
-    planar = bool(lib.votess_result_planar(result.pointer))
+    planar = bool(lib.votess_result_planar(result))
     size = 2 if planar else 3  # of vectors
 
     def flat(vectors: Any) -> Float64Array:
@@ -73,15 +73,15 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
     arrays = {name: result.array(name) for word in wanted for name in ARRAYS[word]}
     arrays["status"] = result.array("status")
     axes = (ctypes.c_int32 * 3)()
-    raise_on_failure(lib.votess_result_periodic(result.pointer, axes))
+    raise_on_failure(lib.votess_result_periodic(result, axes))
     for name in _OPTIONAL:
         array = result.array(name)
         if len(array) or (name == "shifts" and any(axes) and "neighbors" in wanted):
             arrays[name] = array
     lower, upper = _Vector(), _Vector()
-    raise_on_failure(lib.votess_result_box(result.pointer, lower, upper))
+    raise_on_failure(lib.votess_result_box(result, lower, upper))
     has_cell, vectors = ctypes.c_int32(), [_Vector() for _ in range(4)]
-    raise_on_failure(lib.votess_result_cell(result.pointer, ctypes.byref(has_cell), *vectors))
+    raise_on_failure(lib.votess_result_cell(result, has_cell, *vectors))
     walls = result.array("walls")
     return ResultData(
         arrays=arrays,
@@ -91,9 +91,9 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
         cell=flat(vectors[1 : size + 1]) if has_cell.value else None,
         walls=_constant(walls[:, [0, 1, 3]]) if planar else walls,
         planar=planar,
-        lists_walls=bool(lib.votess_result_lists_walls(result.pointer)),
-        in_mesh=bool(lib.votess_result_in_mesh(result.pointer)),
-        least_face=float(lib.votess_result_least_face(result.pointer)),
+        lists_walls=bool(lib.votess_result_lists_walls(result)),
+        in_mesh=bool(lib.votess_result_in_mesh(result)),
+        least_face=float(lib.votess_result_least_face(result)),
         stats=read_stats(result),
     )
 
@@ -492,9 +492,7 @@ class SeedCells(Cells):
         if self._result is None:
             return points  # the domain is not periodic
         places = np.empty_like(points)
-        raise_on_failure(
-            watched(lib.votess_wrapped_points, self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
-        )
+        raise_on_failure(watched(lib.votess_wrapped_points, self._result, points, len(points), places))
         return places
 
 

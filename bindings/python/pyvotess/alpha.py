@@ -69,8 +69,7 @@ def make_alpha(t: SeedCells, result: Handle, replicate: Union[int, Sequence[int]
     copies[:dimensions] = as_each_axis(replicate, "replicate", dimensions)
     if np.ndim(replicate) == 0 and any(t.periodic):
         copies[:dimensions][~np.array(t.periodic[:dimensions])] = 1
-    arguments = (points.ctypes.data, len(points), copies.ctypes.data)
-    handle = Handle.made("alpha", lib.votess_alpha_new, result.pointer, *arguments)
+    handle = Handle.made("alpha", lib.votess_alpha_new, result, points, len(points), copies)
 
     def arrays(name: str) -> Tuple[npt.NDArray[Any], ...]:
         return tuple(handle.array(name, k) for k in range(dimensions + 1))

@@ -11,7 +11,7 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_axis, as_each_axis, as_flag, as_word
 from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, WantName
-from ._call import Handle, Progress, run, showing
+from ._call import Handle, Progress, raise_on_failure, run
 from ._domain import Domain, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points, fill_weights
 from ._library import lib
@@ -38,10 +38,6 @@ def _bounds(domain: Domain, points: npt.NDArray[np.float64]) -> npt.NDArray[np.f
         return np.zeros((2, points.shape[1]))
     ends, box = np.stack((around.min(axis=0), around.max(axis=0))), domain.limits
     return ends if box is None else np.where(np.isfinite(box), box, ends)
-
-
-def _address(array: Optional[npt.NDArray[Any]]) -> Optional[int]:
-    return None if array is None else array.ctypes.data
 
 
 class Probes(Cells):
@@ -102,12 +98,11 @@ class Diagram:
             duplicates=duplicates, planar=array.shape[1] == 2,
         )  # fmt: skip
         given = as_domain(domain, keywords)
-        kept = given._fill(options, array) + fill_weights(options, weights, radii, len(array))
+        given._fill(options, array)
+        fill_weights(options, weights, radii, len(array))
         self._handle = Handle("diagram")
-        with showing(progress) as shown:
-            arguments = (array.ctypes.data, len(array))
-            run(lib.votess_diagram_new, arguments, options, ctypes.byref(self._handle.pointer), shown)
-        del kept
+        arguments = (array, len(array), options, self._handle)
+        raise_on_failure(run(lib.votess_diagram_new, *arguments, options=options, progress=progress))
         self._domain = given
         self._where = given._text() if given._has_ends else given._text().replace("default box", "domain without end")
         #: Corners of what a picture shows: the domain, or where the seeds are.
@@ -124,12 +119,12 @@ class Diagram:
 
     def __len__(self) -> int:
         """N, the number of seeds."""
-        return int(lib.votess_diagram_size(self._handle.pointer))
+        return int(lib.votess_diagram_size(self._handle))
 
     @property
     def planar(self) -> bool:
         """Whether seeds and queries have two components."""
-        return bool(lib.votess_diagram_planar(self._handle.pointer))
+        return bool(lib.votess_diagram_planar(self._handle))
 
     @property
     def domain(self) -> Domain:
@@ -155,13 +150,12 @@ class Diagram:
     def _ask(self, query: Any, progress: Union[None, bool, Progress], *arguments: Any) -> None:
         """Runs a query of the library, which calls ``progress``."""
 
-        def call(options: Any, _out: None) -> int:
+        def call(options: Any) -> int:
             view = Handle("diagram")
-            status = int(lib.votess_diagram_view(self._handle.pointer, options, ctypes.byref(view.pointer)))
-            return status or int(query(view.pointer, *arguments))
+            return int(lib.votess_diagram_view(self._handle, options, view) or query(view, *arguments))
 
-        with showing(progress) as shown:
-            run(call, (), new_options(device="cpu"), None, shown)
+        options = new_options(device="cpu")
+        raise_on_failure(run(call, options, options=options, progress=progress))
 
     def locate(
         self, queries: npt.ArrayLike, progress: Union[None, bool, Progress] = None
@@ -179,7 +173,7 @@ class Diagram:
         """
         array = self._as_queries(queries)
         seeds = np.empty(len(array), np.int32)
-        self._ask(lib.votess_diagram_locate, progress, array.ctypes.data, len(array), seeds.ctypes.data)
+        self._ask(lib.votess_diagram_locate, progress, array, len(array), seeds)
         return seeds
 
     def trace(
@@ -225,16 +219,7 @@ class Diagram:
         numbers = as_one_each(given, "lengths", len(start), "rays")
         with_middles = as_flag(middles, "middles")
         rays = Handle("rays")
-        self._ask(
-            lib.votess_rays_new,
-            progress,
-            start.ctypes.data,
-            along.ctypes.data,
-            numbers.ctypes.data,
-            len(start),
-            with_middles,
-            ctypes.byref(rays.pointer),
-        )
+        self._ask(lib.votess_rays_new, progress, start, along, numbers, len(start), with_middles, rays)
         return RayCells(
             rays.array("offsets"),
             rays.array("seeds"),
@@ -279,16 +264,8 @@ class Diagram:
         options = new_options(device="cpu", want=want, list_walls=list_walls)
         numbers = _as_weights(weights, len(array))
         result = Handle("result")
-        self._ask(
-            lib.votess_diagram_probe,
-            progress,
-            array.ctypes.data,
-            len(array),
-            options.want,
-            options.list_walls,
-            _address(numbers),
-            ctypes.byref(result.pointer),
-        )
+        arguments = (array, len(array), options.want, options.list_walls, numbers, result)
+        self._ask(lib.votess_diagram_probe, progress, *arguments)
         return Probes(result, implied_words(options))
 
     def natural_neighbors(
@@ -332,17 +309,8 @@ class Diagram:
         numbers = _as_weights(weights, len(array))
         with_gradient = as_flag(gradient, "gradient")
         natural = Handle("natural")
-        self._ask(
-            lib.votess_natural_new,
-            progress,
-            array.ctypes.data,
-            len(array),
-            as_word(method, "method", _c_api.NATURAL_METHODS),
-            as_flag(at_walls, "at_walls"),
-            with_gradient,
-            _address(numbers),
-            ctypes.byref(natural.pointer),
-        )
+        how = (as_word(method, "method", _c_api.NATURAL_METHODS), as_flag(at_walls, "at_walls"), with_gradient)
+        self._ask(lib.votess_natural_new, progress, array, len(array), *how, numbers, natural)
         return NaturalCoordinates(
             Neighbors(natural.array("indptr"), natural.array("indices")),
             natural.array("weights"),
@@ -408,19 +376,9 @@ class Diagram:
             asked = np.column_stack((of_seeds, np.ones(len(of_seeds))))
         field = np.empty((len(array), *asked.shape[1:]))
         slopes = np.empty((*field.shape, self._dimensions)) if as_flag(gradient, "gradient") else None
-        self._ask(
-            lib.votess_diagram_interpolate,
-            progress,
-            asked.ctypes.data,
-            asked.shape[1] if asked.ndim == 2 else 1,
-            array.ctypes.data,
-            len(array),
-            as_word(method, "method", _c_api.NATURAL_METHODS),
-            as_flag(at_walls, "at_walls"),
-            _address(numbers),
-            field.ctypes.data,
-            _address(slopes),
-        )
+        given = (asked, asked.shape[1] if asked.ndim == 2 else 1, array, len(array))
+        how = (as_word(method, "method", _c_api.NATURAL_METHODS), as_flag(at_walls, "at_walls"))
+        self._ask(lib.votess_diagram_interpolate, progress, *given, *how, numbers, field, slopes)
         if beyond == "nearest":
             unknown = np.flatnonzero(np.isnan(field[:, -1]))
             nearest = self.locate(array[unknown], progress)
@@ -484,17 +442,9 @@ class Diagram:
         left = [n for axis, n in enumerate(numbers) if axis != axis_of_sum]
         grid = np.empty((*left, *of_seeds.shape[1:]))
         without = ctypes.c_size_t()
-        self._ask(
-            lib.votess_diagram_to_grid,
-            progress,
-            of_seeds.ctypes.data,
-            of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
-            (ctypes.c_size_t * 3)(*numbers, *[1] * (3 - len(numbers))),
-            as_word(method, "method", _c_api.GRID_METHODS),
-            axis_of_sum,
-            grid.ctypes.data,
-            ctypes.byref(without),
-        )
+        given = (of_seeds, of_seeds.shape[1] if of_seeds.ndim == 2 else 1, (ctypes.c_size_t * 3)(*(*numbers, 1)[:3]))
+        how = (as_word(method, "method", _c_api.GRID_METHODS), axis_of_sum)
+        self._ask(lib.votess_diagram_to_grid, progress, *given, *how, grid, without)
         if without.value:
             warnings.warn(f"dtfe omitted the mass of {without.value} of {len(self)} seeds, which are in no {'triangle' if self._dimensions == 2 else 'tetrahedron'}", stacklevel=2)
         return grid

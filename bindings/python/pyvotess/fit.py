@@ -11,7 +11,7 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number
 from ._c_api import ErrorCode, PrecisionWord, WantName
-from ._call import Callbacks, Handle, Progress, VotessError, last_error, raise_on_failure, showing
+from ._call import Handle, Progress, VotessError, last_error, raise_on_failure, run
 from ._domain import Domain, as_domain, with_short_forms
 from ._input import as_density, as_one_each, as_points, fill_weights
 from ._library import lib
@@ -133,40 +133,31 @@ def fit_volumes(
     options = new_options(
         want=want, list_walls=list_walls, device=device, threads=threads, precision=precision, planar=array.shape[1] == 2
     )
-    kept = given._fill(options, array) + fill_weights(options, weights, None, count)
+    given._fill(options, array)
+    fill_weights(options, weights, None, count)
     wanted = implied_words(options)
     fit_options = _c_api.FitOptions()
-    raise_on_failure(lib.votess_fit_options_init(ctypes.byref(fit_options), ctypes.sizeof(fit_options)))
+    raise_on_failure(lib.votess_fit_options_init(fit_options, ctypes.sizeof(fit_options)))
     fit_options.tolerance = as_number(tolerance, "tolerance")
     fit_options.max_steps = as_count(max_steps, "max_steps", 32)
     fit_options.normalize = as_flag(normalize, "normalize")
-    grid = None if density is None else as_density(density, array.shape[1])
-    if grid is not None:
-        fit_options.density = grid.ctypes.data
+    if density is not None:
+        grid = fit_options.density = as_density(density, array.shape[1])
         fit_options.density_shape[:] = (*grid.shape, 1)[:3]
 
     fit = Handle("fit")
-    with showing(progress) as show, Callbacks() as callbacks:
-        options.progress = callbacks.progress(show)
-        status = lib.votess_fit_volumes(
-            array.ctypes.data,
-            count,
-            targets.ctypes.data,
-            ctypes.byref(options),
-            ctypes.byref(fit_options),
-            ctypes.byref(fit.pointer),
-        )
-    del kept, grid
+    arguments = (array, count, targets, options, fit_options, fit)
+    status = run(lib.votess_fit_volumes, *arguments, options=options, progress=progress)
     if not fit.pointer:
         raise_on_failure(status)
-    stats = _c_api.FitStats(struct_size=ctypes.sizeof(_c_api.FitStats))
+    stats = _c_api.FitStats()
     message = last_error()
-    raise_on_failure(lib.votess_fit_get_stats(fit.pointer, ctypes.byref(stats)))
+    raise_on_failure(lib.votess_fit_get_stats(fit, stats))
     found = fit.array("weights")
     if status == ErrorCode.NOT_CONVERGED:
         raise FitError(message, found.copy(), stats.residual, stats.steps)
     result = Handle("result")
-    raise_on_failure(lib.votess_fit_result(fit.pointer, ctypes.byref(result.pointer)))
+    raise_on_failure(lib.votess_fit_result(fit, result))
     seconds = FitSeconds(stats.seconds_tessellate, stats.seconds_assemble, stats.seconds_solve, stats.seconds_total)
     tessellation = Tessellation(result, array, wanted, given)
     return VolumeFit(found, tessellation, stats.residual, stats.steps, stats.tessellations, seconds)

@@ -9,15 +9,14 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Iterable, Optional, Union
 
 import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_number, shown
 from ._c_api import WantName
-from ._call import Handle, alone, raise_on_failure, watched
+from ._call import Handle, OneCallAtATime, raise_on_failure, watched
 from ._domain import Domain, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points
 from ._library import lib
@@ -26,8 +25,6 @@ from ._state import ARRAYS, no_attribute
 from .mesh import Lists
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     import numpy.typing as npt
     from typing_extensions import Unpack
 
@@ -40,60 +37,6 @@ if TYPE_CHECKING:
 __all__ = ["CudaCells", "FrameCells", "Frames"]
 
 _NONE = 2**64 - 1  # the place of an array that was not requested
-
-
-class _Options(ctypes.Structure):
-    """``votess_frames_options``."""
-
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("max_points", c_uint32),
-        ("has_weights", c_int32),
-        ("max_entries", c_uint32),
-        ("least_weight", c_double),
-        ("largest_weight", c_double),
-        ("margin", c_double),
-        ("max_images", c_uint32),
-        ("exported", c_int32),
-        ("device_uuid", c_uint8 * 16),
-    ]
-
-
-class _Export(ctypes.Structure):
-    """``votess_frames_export``."""
-
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("memory_descriptor", c_int32),
-        ("semaphore_descriptor", c_int32),
-        ("reserved", c_int32),
-        *((name, c_uint64) for name in (
-            "memory_bytes", "max_entries", "points", "weights", "status", "indptr", "indices", "face_areas", "volumes", "shifts",
-            "centroids",
-        )),
-    ]  # fmt: skip
-
-
-# As _c_api.SIGNATURES, for votess/frames.h.
-SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
-    "votess_frames_new": (c_int, (POINTER(_Options), POINTER(_c_api.Options), c_void_p, POINTER(c_void_p))),
-    "votess_frames_free": (None, (c_void_p,)),
-    "votess_frames_device": (c_int, (c_void_p, c_char_p, c_size_t)),
-    "votess_frames_run": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p))),
-    "votess_frames_run_f32": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p))),
-    "votess_frames_resolve": (c_int, (c_void_p, POINTER(c_void_p))),
-    "votess_frames_get_export": (c_int, (c_void_p, POINTER(_Export))),
-    "votess_frames_submit": (c_int, (c_void_p, c_uint32, c_uint64, c_uint64)),
-    "votess_frames_signal": (c_int, (c_void_p, c_uint64)),
-    "votess_frames_wait": (c_int, (c_void_p, c_uint64)),
-    "votess_frames_resolve_exported": (c_int, (c_void_p, POINTER(c_uint64))),
-    "votess_frame_cells_free": (None, (c_void_p,)),
-    "votess_frame_cells_unresolved": (c_size_t, (c_void_p,)),
-    "votess_frame_cells_array": _c_api.SIGNATURES["votess_result_array"],
-}
-for _name, (_result, _arguments) in SIGNATURES.items():
-    _function = getattr(lib, _name)
-    _function.restype, _function.argtypes = _result, _arguments
 
 
 def _as_dtype(dtype: Any) -> np.dtype[Any]:
@@ -130,7 +73,7 @@ class FrameCells:
         if self._frames._periodic and "indices" in names:
             names.append("shifts")
         self.__dict__.update({name: handle.array(name, writable=True) for name in names})
-        self._unresolved = int(lib.votess_frame_cells_unresolved(handle.pointer))
+        self._unresolved = int(lib.votess_frame_cells_unresolved(handle))
 
     if not TYPE_CHECKING:  # a type checker would accept any name
 
@@ -219,7 +162,7 @@ class CudaCells:
         return self
 
 
-class Frames:
+class Frames(OneCallAtATime):
     """Makes cells of up to ``max_points`` points on a Vulkan device, call after call. A context manager.
 
     The device stays open, with its buffers and its shaders, which may take seconds to compile. A call uploads the points
@@ -253,6 +196,8 @@ class Frames:
     ...     cells = frames(points).resolve()
     """
 
+    _kind = "object of Frames"
+
     @with_short_forms
     def __init__(
         self,
@@ -273,8 +218,7 @@ class Frames:
         dtype: npt.DTypeLike = "float32",
         **keywords: Unpack[DomainKeywords],
     ) -> None:
-        frames = _Options(
-            struct_size=ctypes.sizeof(_Options),
+        frames = _c_api.FramesOptions(
             max_points=as_count(max_points, "max_points", 32),
             max_entries=as_count(max_entries, "max_entries", 32),
             margin=as_number(margin, "margin"),
@@ -301,20 +245,18 @@ class Frames:
         options = new_options(
             want=want, list_walls=list_walls, device=device, threads=threads, k_init=k_init, chunk_size=chunk_size
         )
-        kept = where._fill(options, None)
+        where._fill(options, None)
         self._wanted = implied_words(options)
         self._periodic = any(where.periodic)
         self._lock = threading.Lock()
         self._calls = 0
-        given = (ctypes.byref(frames), ctypes.byref(options), None if share is None else share._open())
-        self._handle = Handle.made("frames", lib.votess_frames_new, *given)
-        del kept
+        self._handle = Handle.made("frames", lib.votess_frames_new, frames, options, None if share is None else share._open())
         text = ctypes.create_string_buffer(512)
-        raise_on_failure(lib.votess_frames_device(self._handle.pointer, text, len(text)))
+        raise_on_failure(lib.votess_frames_device(self._handle, text, len(text)))
         self._max_points, self._has_weights = frames.max_points, weights is not None
         if on_cuda:
-            self._export = _Export(struct_size=ctypes.sizeof(_Export))
-            raise_on_failure(lib.votess_frames_get_export(self._handle.pointer, ctypes.byref(self._export)))
+            self._export = _c_api.FramesExport()
+            raise_on_failure(lib.votess_frames_get_export(self._handle, self._export))
             self._importer = _cuda.Importer(driver, ordinal, self._export, text.value.decode().split(":")[0], self._handle)
         self._text = f"up to {frames.max_points} points in a {where._text()} on {text.value.decode('utf-8', 'replace')}"
 
@@ -340,14 +282,12 @@ class Frames:
         array = as_points(points)
         masses = None if weights is None else as_one_each(weights, "weights", len(array), "points")
         function = lib.votess_frames_run_f32 if array.dtype == np.float32 else lib.votess_frames_run
-        with alone(self._lock, "object of Frames"):
+        with self._alone():
             self._calls += 1
-            address = None if masses is None else masses.ctypes.data
-            given = (array.ctypes.data, address, len(array))
-            return FrameCells(self, self._calls, Handle.made("frame_cells", function, self._open(), *given))
+            return FrameCells(self, self._calls, Handle.made("frame_cells", function, self._open(), array, masses, len(array)))
 
     def _resolve(self, number: int) -> Handle:
-        with alone(self._lock, "object of Frames"):
+        with self._alone():
             if number != self._calls:
                 raise ValueError("resolve() completes the last call of these Frames: call it before the next one")
             return Handle.made("frame_cells", lib.votess_frames_resolve, self._open())
@@ -368,7 +308,7 @@ class Frames:
         if count > self._max_points:
             raise ValueError(f"{count} points are more than max_points = {self._max_points}: make Frames for more")
         order = _cuda.as_stream(given.stream or 0 if stream is None else stream)
-        with alone(self._lock, "object of Frames"):
+        with self._alone():
             pointer, importer = self._open(), self._importer
             for name, array, place in inputs:
                 if count:
@@ -391,7 +331,7 @@ class Frames:
         return _cuda.CudaArray(self._importer, place, shape, strides, dtype, ready)
 
     def _resolve_on_cuda(self, number: int, stream: int) -> None:
-        with alone(self._lock, "object of Frames"):
+        with self._alone():
             if number != self._calls:
                 raise ValueError("resolve() completes the last call of these Frames: call it before the next one")
             pointer = self._open()
@@ -400,7 +340,7 @@ class Frames:
 
     def close(self) -> None:
         """Frees device and buffers. Arrays on the host stay, those on a device of CUDA do not. Further calls do nothing."""
-        with alone(self._lock, "object of Frames"):
+        with self._alone():
             if self._importer is not None:
                 self._importer.close()
             self._handle.free()
@@ -410,14 +350,3 @@ class Frames:
 
     def __reduce__(self) -> Any:
         raise TypeError("Frames cannot be copied or pickled: create other ones")
-
-    def __enter__(self) -> Frames:
-        return self
-
-    def __exit__(
-        self,
-        kind: Optional[type[BaseException]],
-        error: Optional[BaseException],
-        traceback: Optional[TracebackType],
-    ) -> None:
-        self.close()

@@ -59,6 +59,5 @@ def masses_of(cells: Handle, dimensions: int, density: Any, threads: int = 0) ->
     """Returns the masses of cells with all their faces."""
     grid = as_density(density, dimensions)
     shape = (ctypes.c_size_t * 3)(*(*grid.shape, 1)[:3])
-    arguments = (cells.pointer, grid.ctypes.data, shape, as_count(threads, "threads", 32))
-    handle = Handle.made("masses", lib.votess_masses_new, *arguments)
+    handle = Handle.made("masses", lib.votess_masses_new, cells, grid, shape, as_count(threads, "threads", 32))
     return Masses(**handle.arrays("masses", "centroids", "second_moments", "face_masses"))

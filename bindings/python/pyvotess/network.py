@@ -82,9 +82,7 @@ class Network(WithHandle):
         True
         """
         radius, vertex = ctypes.c_double(), ctypes.c_int32()
-        raise_on_failure(
-            watched(lib.votess_network_largest_included, self._pointer("network()"), ctypes.byref(radius), ctypes.byref(vertex))
-        )
+        raise_on_failure(watched(lib.votess_network_largest_included, self._pointer("network()"), radius, vertex))
         if vertex.value < 0:
             raise ValueError("the network has no vertices, so no sphere")
         return IncludedSphere(radius.value, vertex.value)
@@ -103,7 +101,7 @@ class Network(WithHandle):
         True
         """
         radius, edge, included, vertex = ctypes.c_double(), ctypes.c_int32(), ctypes.c_double(), ctypes.c_int32()
-        out = (ctypes.byref(number) for number in (radius, edge, included, vertex))
+        out = (radius, edge, included, vertex)
         raise_on_failure(watched(lib.votess_network_largest_free, self._pointer("network()"), as_axis(axis, "axis"), *out))
         if edge.value < 0:
             along = "" if axis is None else f" along axis {axis}"
@@ -185,7 +183,7 @@ class Network(WithHandle):
 
 def make_network(t: SeedCells, result: Handle) -> Network:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
-    handle = Handle.made("network", lib.votess_network_new, result.pointer, points.ctypes.data, len(points))
+    handle = Handle.made("network", lib.votess_network_new, result, points, len(points))
     places, edges = handle.array("points"), handle.array("edges")
     vectors = places[edges[:, 1]] - places[edges[:, 0]]
     shifts = None

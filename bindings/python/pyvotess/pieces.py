@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import operator
 import os
 from dataclasses import dataclass, replace
@@ -232,14 +231,9 @@ class Pieces:
             return
         names = ("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids")
         arrays = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
-        arrays["ids"] = np.ascontiguousarray(numbers, np.int64)
-        given = _c_api.PieceArrays(
-            struct_size=ctypes.sizeof(_c_api.PieceArrays),
-            rows=len(self.ids),
-            **{name: array.ctypes.data for name, array in arrays.items()},
-        )
+        given = _c_api.PieceArrays(rows=len(self.ids), ids=np.ascontiguousarray(numbers, np.int64), **arrays)
         with whole_file(file) as temporary, writing(temporary) as write:
-            status = lib.votess_write_pieces(ctypes.byref(given), extension.encode(), write, None)
+            status = lib.votess_write_pieces(given, extension.encode(), write, None)
         raise_on_failure(status)
 
 
@@ -249,9 +243,7 @@ def make_pieces(
     handle = Handle("pieces")
     distance, count = as_number(gap, "gap"), as_count(threads, "threads", 32)
     with showing(progress) as show, Callbacks() as callbacks:
-        status = lib.votess_pieces_new(
-            result.pointer, distance, count, callbacks.progress(show), None, ctypes.byref(handle.pointer)
-        )
+        status = lib.votess_pieces_new(result, distance, count, callbacks.progress(show), None, handle)
     raise_on_failure(status)
 
     return Pieces(

@@ -68,8 +68,8 @@ class Stats:
 
 
 def read_stats(result: Handle) -> Stats:
-    c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
-    raise_on_failure(lib.votess_result_stats(result.pointer, ctypes.byref(c_stats)))
+    c_stats = _c_api.Stats()
+    raise_on_failure(lib.votess_result_stats(result, c_stats))
     return stats_of(c_stats)
 
 
@@ -136,15 +136,6 @@ def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
     """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one proves cells."""
     passed, proven, skipped, sampled = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
     failure = ctypes.create_string_buffer(1024)
-    raise_on_failure(
-        function(
-            *arguments,
-            ctypes.byref(passed),
-            *([ctypes.byref(proven)] if proves else []),
-            ctypes.byref(skipped),
-            ctypes.byref(sampled),
-            failure,
-            len(failure),
-        )
-    )
+    verdict = (passed, proven, skipped) if proves else (passed, skipped)
+    raise_on_failure(function(*arguments, *verdict, sampled, failure, len(failure)))
     return read_report(passed.value, skipped.value, sampled.value, failure.value, bool(proven.value))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, List, Optional, Union
@@ -11,7 +10,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, as_path
-from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
+from ._call import Handle, Progress, raise_on_failure, run, showing
 from ._input import as_array, as_one_each, as_points
 from ._library import lib
 from .fields.lloyd import _as_mask, _share
@@ -183,21 +182,11 @@ def surface(
     seeds = as_points(points).astype(np.float64, copy=False)
     places = as_points(vertices, "vertices").astype(np.float64, copy=False)
     rows = _as_triangles(triangles)
-    given = None if weights is None else np.ascontiguousarray(as_one_each(weights, "weights", len(seeds), "points"))
-    options = _c_api.SurfaceOptions(
-        struct_size=ctypes.sizeof(_c_api.SurfaceOptions),
-        threads=as_count(threads, "threads", 32),
-        weights=None if given is None else given.ctypes.data,
-        merge=as_flag(merge, "merge"),
-    )
+    given = None if weights is None else as_one_each(weights, "weights", len(seeds), "points")
+    options = _c_api.SurfaceOptions(threads=as_count(threads, "threads", 32), weights=given, merge=as_flag(merge, "merge"))
     handle = Handle("surface")
-    with showing(progress) as show, Callbacks() as callbacks:
-        options.progress = callbacks.progress(show)
-        status = lib.votess_surface_new(
-            seeds.ctypes.data, len(seeds), places.ctypes.data, len(places), rows.ctypes.data, len(rows),
-            ctypes.byref(options), ctypes.byref(handle.pointer),
-        )  # fmt: skip
-    raise_on_failure(status)
+    arguments = (seeds, len(seeds), places, len(places), rows, len(rows), options, handle)
+    raise_on_failure(run(lib.votess_surface_new, *arguments, options=options, progress=progress))
     return SurfaceCells(**handle.arrays(*SurfaceCells.__dataclass_fields__))
 
 

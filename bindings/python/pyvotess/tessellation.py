@@ -105,7 +105,7 @@ class Tessellation(SeedCells):
         >>> t.delaunay().tetrahedra.shape[1]
         4
         """
-        handle = Handle.made("delaunay", lib.votess_delaunay_new, self._handle().pointer)
+        handle = Handle.made("delaunay", lib.votess_delaunay_new, self._handle())
         return make_delaunay(handle, self.box.shape[1], self.shifts is not None)
 
     def network(self) -> Network:
@@ -192,8 +192,7 @@ class Tessellation(SeedCells):
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
         falls = as_flag(maxima, "maxima")
-        arguments = (array.ctypes.data, len(array), falls)
-        handle = Handle.made("zones", lib.votess_zones_new, self._handle().pointer, *arguments)
+        handle = Handle.made("zones", lib.votess_zones_new, self._handle(), array, len(array), falls)
         return read_zones(handle, self.lists_walls, falls)
 
     def groups(self, labels: npt.ArrayLike) -> Groups:
@@ -213,8 +212,7 @@ class Tessellation(SeedCells):
         """
         self._check_wanted("neighbors")
         array = as_labels(labels, "labels", len(self), "cells")
-        arguments = (array.ctypes.data, len(array))
-        return read_groups(Handle.made("groups", lib.votess_groups_new, self._handle().pointer, *arguments))
+        return read_groups(Handle.made("groups", lib.votess_groups_new, self._handle(), array, len(array)))
 
     def masses(self, density: npt.ArrayLike, threads: int = 0) -> Masses:
         """Returns masses, centers of mass and second moments of the cells under a density. Needs "faces" in want.
@@ -529,10 +527,10 @@ class Tessellation(SeedCells):
             if error.code != ErrorCode.INVALID_USE:
                 raise
             return VerifyReport(False, str(error), ())
-        seeds = (handle.pointer, points.ctypes.data, len(points))
+        seeds = (handle, points, len(points))
         report = verify(partial(watched, lib.votess_verify), *seeds, *drawn)
         if self.planar or self.in_mesh or self.ids is not None:
             return report
         tiny = ctypes.c_uint64()
-        raise_on_failure(watched(lib.votess_count_tiny_faces, *seeds, ctypes.byref(tiny)))
+        raise_on_failure(watched(lib.votess_count_tiny_faces, *seeds, tiny))
         return replace(report, tiny_faces=tiny.value)

@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Union
 
 from . import _c_api
 from ._c_api import DuplicatesWord, PrecisionWord, WantName
-from ._call import Handle, Progress, alone, raise_on_failure
+from ._call import Handle, OneCallAtATime, Progress, raise_on_failure
 from ._domain import Domain, with_short_forms
 from ._library import lib
 from ._run import new_options, tessellate_points
 from .tessellation import Tessellation
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     import numpy.typing as npt
     from typing_extensions import Unpack
 
@@ -112,7 +110,7 @@ def tessellate(
     return Tessellation(*tessellate_points(None, new_options(), dict(locals())))
 
 
-class Tessellator:
+class Tessellator(OneCallAtATime):
     """Keeps device, threads and buffers between calls. A context manager; otherwise freed with the object.
 
     Use one for points that move from call to call. A result whose arrays are all gone leaves its memory to the next
@@ -132,6 +130,8 @@ class Tessellator:
     [1. 8.]
     """
 
+    _kind = "Tessellator"
+
     def __init__(
         self,
         device: str = "auto",
@@ -147,8 +147,7 @@ class Tessellator:
         del given["self"]
         self._options = new_options(**given)
         self._lock = threading.Lock()
-        self._handle = Handle("tessellator")
-        raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))
+        self._handle = Handle.made("tessellator", lib.votess_tessellator_new)
 
     @with_short_forms
     def tessellate(
@@ -175,7 +174,7 @@ class Tessellator:
         """
         given = dict(locals())
         del given["self"]
-        with alone(self._lock, "Tessellator"):
+        with self._alone():
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
@@ -187,22 +186,11 @@ class Tessellator:
         >>> tessellator = vt.Tessellator()
         >>> tessellator.close()
         """
-        with alone(self._lock, "Tessellator"):
+        with self._alone():
             self._handle.free()
 
     def __reduce__(self) -> Any:
         raise TypeError("a Tessellator cannot be copied or pickled: create another one")
-
-    def __enter__(self) -> Tessellator:
-        return self
-
-    def __exit__(
-        self,
-        kind: Optional[type[BaseException]],
-        error: Optional[BaseException],
-        traceback: Optional[TracebackType],
-    ) -> None:
-        self.close()
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,7 @@ def __dir__() -> List[str]:
 def _walls(function: Any, faces: int, *arguments: Any) -> Float64Array:
     count = as_count(faces, "faces", 20)
     rows = np.empty((count, 4))
-    pointers = [a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments]
-    raise_on_failure(function(*pointers, count, rows.ctypes.data))
+    raise_on_failure(function(*arguments, count, rows))
     return rows
 
 

@@ -325,7 +325,7 @@ TEST_SUITE("dtfe") {
                 cases.push_back({set.name, set.points, with_faces(set.box, periodic)});
         // Few seeds of a grid, full of ties, which meet images of themselves.
         test::Random random(3);
-        for (std::size_t set = 0; set < test::by_size(200, 30); ++set) {
+        for (std::size_t set = 0; set < test::by_size(120, 30); ++set) {
             FieldCase c{"grid", {}, with_faces(test::unit_box(), true)};
             for (std::uint64_t i = 3 * (1 + random.below(12)); i-- > 0;)
                 c.points.push_back(static_cast<double>(random.below(4)) / 4);

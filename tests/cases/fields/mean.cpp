@@ -34,7 +34,7 @@ void check_sum(const votess::Tessellation& t, const std::vector<double>& grid, c
 
 TEST_SUITE("mean") {
     TEST_CASE("mean: ones are one everywhere, and sums are kept, in every domain") {
-        for (FieldCase& c : test::field_cases(test::by_size(400, 30)))
+        for (FieldCase& c : test::field_cases(test::by_size(200, 30)))
             for (const double weight : {0.0, 0.02}) {
                 const std::size_t n = c.points.size() / 3;
                 const auto weights = test::some_weights(n, weight);

@@ -219,7 +219,7 @@ Coordinates queries_in(std::size_t count, double margin, std::uint64_t seed) {
 TEST_SUITE("query") {
     TEST_CASE("natural neighbors: queries against rational arithmetic") {
         Random random(20);
-        const std::size_t wanted = test::by_size(200, 30);
+        const std::size_t wanted = test::by_size(140, 30);
         std::size_t checked = 0, buried = 0, at_walls = 0, periodic = 0;
         for (int number = 0; checked < wanted; ++number) {
             CAPTURE(number);
@@ -305,7 +305,7 @@ TEST_SUITE("query") {
     TEST_CASE("natural neighbors: seeds outside against rational arithmetic") {
         Random random(24);
         std::size_t checked = 0, buried = 0;
-        const std::size_t sets = test::by_size(150, 30);
+        const std::size_t sets = test::by_size(90, 30);
         for (std::size_t set = 0; set < sets; ++set) {
             CAPTURE(set);
             QueryCase c;
@@ -481,7 +481,7 @@ TEST_SUITE("query") {
     }
 
     TEST_CASE("natural neighbors: weights sum to 1, and linear fields come back off the walls") {
-        for (const Set& set : sets(test::by_size(2000, 300))) {
+        for (const Set& set : sets(test::by_size(1000, 300))) {
             CAPTURE(set.name);
             const votess::Diagram diagram(set.points, with_weights(set));
             const std::size_t n = set.points.size() / 3;
@@ -489,7 +489,7 @@ TEST_SUITE("query") {
             for (std::size_t i = 0; i < n; ++i)
                 linear[i] = 1 + 2 * set.points[3 * i] - set.points[3 * i + 1] + 0.5 * set.points[3 * i + 2];
             // So many that the graph of all vertices is made, but not for the first few.
-            const Coordinates queries = queries_in(test::by_size(1200, 200), 0, 10);
+            const Coordinates queries = queries_in(test::by_size(600, 200), 0, 10);
             const auto few = diagram.natural_neighbors(std::span(queries).first(3 * 40));
             for (const auto method : {votess::NaturalMethod::sibson, votess::NaturalMethod::laplace}) {
                 votess::NaturalOptions options;

@@ -33,7 +33,7 @@ def map_values(values: Float64Array, colormap: str) -> UInt8Array:
     number = as_word(colormap, "colormap", COLORMAPS)
     values = np.ascontiguousarray(values, dtype=np.float64)
     colors = np.empty((len(values), 3), np.uint8)
-    raise_on_failure(lib.votess_value_colors(values.ctypes.data, len(values), number, colors.ctypes.data))
+    raise_on_failure(lib.votess_value_colors(values, len(values), number, colors))
     return colors
 
 

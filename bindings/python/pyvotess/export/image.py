@@ -6,7 +6,6 @@ import ctypes
 import os
 import struct
 import zlib
-from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Union
 
@@ -28,47 +27,6 @@ if TYPE_CHECKING:
     from .._state import SeedCells
 
 CUTS = {"corner": 0, "half": 1, "cells": 2, "none": 3}
-
-
-class Options(ctypes.Structure):
-    """``votess_picture_options``."""
-
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("width", c_uint32),
-        ("height", c_uint32),
-        ("threads", c_uint32),
-        ("values", c_void_p),
-        ("value_count", c_size_t),
-        ("label", c_char_p),
-        ("range", c_double * 2),
-        ("azimuth", c_double),
-        ("elevation", c_double),
-        ("cut_at", c_double * 3),
-        ("slice_value", c_double),
-        ("gap", c_double),
-        ("slice_axis", c_int32),
-        ("cut", c_int32),
-        ("scale", c_int32),
-        ("colormap", c_int32),
-        ("wall_cells", c_int32),
-        ("edges", c_int32),
-        ("seeds", c_int32),
-        ("color_bar", c_int32),
-        ("skip_open", c_int32),
-        ("frame", c_int32),
-        ("background", c_uint8 * 4),
-    ]
-
-
-_init = lib.votess_picture_options_init
-_init.restype, _init.argtypes = c_int, (POINTER(Options), c_size_t)
-_render = lib.votess_render
-_render.restype = c_int
-_render.argtypes = (c_void_p, c_void_p, c_size_t, POINTER(Options), c_void_p, c_size_t, POINTER(c_uint64))
-_render_pieces = lib.votess_render_pieces
-_render_pieces.restype = c_int
-_render_pieces.argtypes = (POINTER(_c_api.PieceArrays), POINTER(Options), c_void_p, c_size_t)
 
 
 @dataclass(frozen=True)
@@ -116,11 +74,11 @@ def _options(
     size: Tuple[int, int],
     limits: Optional[Tuple[float, float]],
     threads: int,
-) -> Options:
-    """Returns options that refer to the values, for any picture."""
-    options = Options()
-    raise_on_failure(_init(ctypes.byref(options), ctypes.sizeof(options)))
-    options.values, options.value_count = values.ctypes.data, len(values)
+) -> _c_api.PictureOptions:
+    """Returns options for any picture."""
+    options = _c_api.PictureOptions()
+    raise_on_failure(lib.votess_picture_options_init(options, ctypes.sizeof(options)))
+    options.values, options.value_count = values, len(values)
     options.label = label.encode()
     options.colormap = as_word(colormap, "colormap", COLORMAPS)
     options.cut = as_word(cut, "cut", CUTS)
@@ -159,9 +117,8 @@ def image(
     options.skip_open = open is not None and as_word(open, "open", {"skip": 1})
     pixels = np.empty((options.height, options.width, 4), np.uint8)
     points = np.ascontiguousarray(t.points, dtype=np.float64)
-    left_out = c_uint64()
-    seen = (handle.pointer, points.ctypes.data, len(points), ctypes.byref(options))
-    raise_on_failure(watched(_render, *seen, pixels.ctypes.data, pixels.nbytes, ctypes.byref(left_out)))
+    left_out = ctypes.c_uint64()
+    raise_on_failure(watched(lib.votess_render, handle, points, len(points), options, pixels, pixels.nbytes, left_out))
     return Image(pixels, left_out.value)
 
 
@@ -173,16 +130,11 @@ def image_of_pieces(arrays: Mapping[str, Any], values: npt.NDArray[np.float64], 
     path = None if file is None else png_path(file, "file")
     count = len(arrays["vertex_offsets"]) - 1
     rows = {"indptr": np.arange(count + 1, dtype=np.int64), "ids": np.arange(count, dtype=np.int64)}
-    kept = {name: np.ascontiguousarray(array) for name, array in {**arrays, **rows}.items()}
-    given = _c_api.PieceArrays(
-        struct_size=ctypes.sizeof(_c_api.PieceArrays), rows=count, **{name: array.ctypes.data for name, array in kept.items()}
-    )
+    given = _c_api.PieceArrays(rows=count, **{name: np.ascontiguousarray(a) for name, a in {**arrays, **rows}.items()})
     numbers = np.ascontiguousarray(values, np.float64)
     options = _options(numbers, label, **look)
     pixels = np.empty((options.height, options.width, 4), np.uint8)
-    raise_on_failure(
-        watched(_render_pieces, ctypes.byref(given), ctypes.byref(options), pixels.ctypes.data, pixels.nbytes)
-    )
+    raise_on_failure(watched(lib.votess_render_pieces, given, options, pixels, pixels.nbytes))
     picture = Image(pixels, 0)
     if path is not None:
         picture.save(path)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional
 
 import numpy as np
 
@@ -88,10 +88,9 @@ def write_mesh(
 def mesh_quality(t: SeedCells, skip_open: bool, min_edge: float) -> MeshQuality:
     """Measures the cells of ``t``, a result with faces."""
     edges = np.zeros(9) if t.cell is None else t.cell
-    mesh, kept = _mesh_of(_arrays_of(t), {}, t.box, edges, skip_open=int(skip_open), min_edge=min_edge)
-    measured = _c_api.MeshQuality(struct_size=ctypes.sizeof(_c_api.MeshQuality))
-    raise_on_failure(lib.votess_measure_mesh(ctypes.byref(mesh), ctypes.byref(measured)))
-    del kept
+    mesh = _mesh_of(_arrays_of(t), {}, t.box, edges, skip_open=int(skip_open), min_edge=min_edge)
+    measured = _c_api.MeshQuality()
+    raise_on_failure(lib.votess_measure_mesh(mesh, measured))
     return MeshQuality(**{name: getattr(measured, name) for name in MeshQuality.__dataclass_fields__})
 
 
@@ -116,16 +115,15 @@ def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
 
 def _mesh_of(
     arrays: Arrays, columns: Arrays, box: npt.NDArray[np.float64], edges: npt.NDArray[np.float64], **flags: float
-) -> Tuple[Any, Any]:
-    """Returns the struct of the library, and the arrays that must live as long."""
-    kept = {name: np.ascontiguousarray(array) for name, array in columns.items()}
+) -> _c_api.Mesh:
+    """Returns the struct of the library."""
+    kept = [np.ascontiguousarray(array) for array in columns.values()]
     c_columns = (_c_api.Column * len(kept))()
-    for column, (name, array) in zip(c_columns, kept.items()):
+    for column, name, array in zip(c_columns, columns, kept):
         column.name, column.values = name.encode(), array.ctypes.data
         column.width = array.shape[1] if array.ndim == 2 else 1
         column.kind, column.bytes = array.dtype.kind.encode(), array.itemsize
     mesh = _c_api.Mesh(
-        struct_size=ctypes.sizeof(_c_api.Mesh),
         column_count=len(kept),
         cells=len(arrays["indptr"]) - 1,
         vertex_count=len(arrays["vertices"]),
@@ -134,9 +132,10 @@ def _mesh_of(
         box_upper=tuple(box[1]),
         edges=tuple(np.ravel(edges)),
         **flags,
-        **{name: None if array is None else array.ctypes.data for name, array in arrays.items()},
+        **arrays,
     )
-    return mesh, (kept, arrays)
+    mesh.kept = kept  # lives as long
+    return mesh
 
 
 def _write(
@@ -149,7 +148,6 @@ def _write(
     folder: str = "",
     **flags: float,
 ) -> None:
-    mesh, kept = _mesh_of(arrays, columns, box, edges, **flags)
+    mesh = _mesh_of(arrays, columns, box, edges, **flags)
     with writing(path, folder) as write:
-        raise_on_failure(lib.votess_write_mesh(ctypes.byref(mesh), extension.encode(), write, None))
-    del kept
+        raise_on_failure(lib.votess_write_mesh(mesh, extension.encode(), write, None))

@@ -7,9 +7,8 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Literal, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Literal, Optional, Union
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from .._run import new_options
 from .._state import ARRAYS, no_attribute
 from ..mesh import Lists
 from ..stats import VerifyReport, as_sample, verify
-from ._library import Counts, load
+from . import _library
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MpiCounts", "MpiTessellation", "tessellate"]
 
-_lib, _handle = load()
+_lib, _handle = _library.load()
 _CELLS: Dict[str, int] = {"handed_in": 0, "made": 1}
 _ARRAYS = (
     "ids", "points", "status", "duplicate_of", "indptr", "indices", "owners", "shifts", "face_areas", "face_normals", "volumes",
@@ -113,9 +112,9 @@ class MpiTessellation:
             array = None if points is None else np.ascontiguousarray(as_points(points, planar=True), np.float64)
             if array is not None and array.shape[1] != self._dimensions:
                 raise ValueError(f"points has shape {array.shape}: it must be (N, {self._dimensions})")
-            points_of_rank = (None, 0) if array is None else (array.ctypes.data, len(array))
+            points_of_rank = (array, 0 if array is None else len(array))
             drawn = as_sample(sample, rng_seed)
-        return verify(_lib.votess_mpi_verify, communicator, self._result.pointer, *points_of_rank, *drawn, proves=False)
+        return verify(_lib.votess_mpi_verify, communicator, self._result, *points_of_rank, *drawn, proves=False)
 
 
 @contextlib.contextmanager
@@ -140,7 +139,7 @@ def _all_or_none(comm: Any) -> Iterator[None]:
 
 def _box(result: Handle, dimensions: int) -> Float64Array:
     corners = np.empty((2, 3))
-    raise_on_failure(_lib.votess_mpi_box(result.pointer, corners[0].ctypes.data, corners[1].ctypes.data))
+    raise_on_failure(_lib.votess_mpi_box(result, corners[0], corners[1]))
     corners = np.ascontiguousarray(corners[:, :dimensions])
     corners.flags.writeable = False
     return corners
@@ -162,8 +161,8 @@ def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool, d
     ):  # fmt: skip
         indptr, indices = arrays.pop(indptr_name), arrays.pop(indices_name)
         arrays[name] = Lists(indptr if len(indptr) else np.zeros(1, np.int64), indices)
-    c_counts = Counts(struct_size=ctypes.sizeof(Counts))
-    raise_on_failure(_lib.votess_mpi_read_counts(result.pointer, ctypes.byref(c_counts)))
+    c_counts = _library.MpiCounts()
+    raise_on_failure(_lib.votess_mpi_read_counts(result, c_counts))
     counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})
     box = _box(result, dimensions) if in_box else None
     return MpiTessellation(box=box, counts=counts, _result=result, _dimensions=dimensions, **arrays)
@@ -223,7 +222,6 @@ def tessellate(
         code CANCELLED.
     """
     communicator = _handle(comm)
-    kept: List[Any] = []
     result = Handle("mpi", _lib)
     with contextlib.ExitStack() as stack:
         with _all_or_none(comm):
@@ -235,30 +233,17 @@ def tessellate(
             )  # fmt: skip
             which = as_word(cells, "cells", _CELLS)
             given = as_domain(domain, keywords)
-            kept += (given.replace(box=None) if given.is_hull else given)._fill(options, array)
-            kept += fill_weights(options, weights, radii, len(array))
+            (given.replace(box=None) if given.is_hull else given)._fill(options, array)
+            fill_weights(options, weights, radii, len(array))
             shown = stack.enter_context(showing(progress))
         if given.is_hull:
             hull = Handle("hull")
-            points_of_rank = (array.ctypes.data, len(array))
-            raise_on_failure(
-                _lib.votess_mpi_hull_new(communicator, *points_of_rank, ctypes.byref(options), ctypes.byref(hull.pointer))
-            )
+            raise_on_failure(_lib.votess_mpi_hull_new(communicator, array, len(array), options, hull))
             facets = hull.array("walls")
-            options.walls, options.wall_count = facets.ctypes.data, len(facets)
-            kept.append(facets)
+            options.walls, options.wall_count = facets, len(facets)
         with Callbacks() as callbacks:
             options.progress = callbacks.progress(shown)
-            status = _lib.votess_mpi_tessellate(
-                communicator,
-                array.ctypes.data,
-                len(array),
-                numbers.ctypes.data if numbers is not None else None,
-                ctypes.byref(options),
-                which,
-                ctypes.byref(result.pointer),
-            )
+            status = _lib.votess_mpi_tessellate(communicator, array, len(array), numbers, options, which, result)
         raise_on_failure(status)
-    del kept
     axes = options.cell_periodic if options.has_cell else options.periodic
     return _read(result, options.want, cells == "made", given.vectors is None, any(axes), array.shape[1])

@@ -6,12 +6,12 @@ import ctypes
 import ctypes.util
 import os
 import sys
-from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import c_int, c_size_t, c_void_p
 from pathlib import Path
 from typing import Any, Tuple
 
 from .. import _library
-from .._c_api import Array, Options, declare
+from .._c_api import Struct, declare, read_headers, signatures, structs_of
 
 if sys.platform == "darwin":
     _FILE_NAMES: Tuple[str, ...] = ("libvotess_mpi.dylib",)
@@ -19,23 +19,12 @@ else:
     _FILE_NAMES = ("libvotess_mpi.so", "libvotess_mpi.so." + _library.VERSION.split(".")[0])
 
 
-class Counts(ctypes.Structure):
-    """``votess_mpi_counts``."""
+_TEXT = read_headers("mpi.h")
 
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("rounds", c_uint32),
-        ("seeds", c_uint64),
-        ("largest_block", c_uint64),
-        ("given", c_uint64),
-        ("needed", c_uint64),
-        ("tested", c_uint64),
-        ("questions", c_uint64),
-        ("bytes", c_uint64),
-        ("box_volume", c_double),
-        ("volume_sum", c_double),
-        ("exact_cells", c_uint64),
-    ]
+
+@structs_of(_TEXT)
+class MpiCounts(Struct):
+    """``votess_mpi_counts``."""
 
 
 def _find() -> str:
@@ -63,21 +52,7 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
     if library.votess_mpi_sizeof_comm() != size_of_comm:
         raise ImportError(f"{name} was built with another MPI than mpi4py: build both with the same MPI")
     communicator = c_int if size_of_comm == ctypes.sizeof(c_int) else c_void_p
-    points = (c_void_p, c_size_t)
-    functions = {
-        "tessellate": (c_int, (communicator, *points, c_void_p, POINTER(Options), c_int32, POINTER(c_void_p))),
-        "hull_new": (c_int, (communicator, *points, POINTER(Options), POINTER(c_void_p))),
-        "free": (None, (c_void_p,)),
-        "array": (c_int, (c_void_p, c_char_p, POINTER(Array))),
-        "box": (c_int, (c_void_p, c_void_p, c_void_p)),
-        "read_counts": (c_int, (c_void_p, POINTER(Counts))),
-        "verify": (
-            c_int,
-            (communicator, c_void_p, *points, c_size_t, c_uint64, POINTER(c_int), POINTER(c_uint32), POINTER(c_size_t),
-             c_char_p, c_size_t),
-        ),  # fmt: skip
-    }
-    declare(library, {"votess_mpi_" + name: signature for name, signature in functions.items()})
+    declare(library, signatures(_TEXT, MPI_Comm=communicator))
     return library
 
 

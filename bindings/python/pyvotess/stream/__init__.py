@@ -7,7 +7,7 @@ import itertools
 import os
 from dataclasses import dataclass
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Optional, Tuple, Union
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
 from .._state import ARRAYS, no_attribute
 from ..stats import Stats, VerifyReport, read_report, stats_of
-from . import _stream_api as _stream
+from .._library import lib
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -30,6 +30,13 @@ if TYPE_CHECKING:
     from .._types import Float64Array, Int8Array, Int64Array, UInt8Array, UInt32Array
 
 __all__ = ["StreamResult", "StreamRows", "tessellate_stream"]
+
+_STOP, _END, _GO_ON = -1, 0, 1
+_INT64, _UINT32 = ("duplicate_of", "indptr", "indices"), ("face_counts", "edge_counts", "vertex_counts")
+#: Types of arrays of rows; others are float64.
+_TYPES: Dict[str, Any] = {
+    "status": np.uint8, "shifts": np.int8, **dict.fromkeys(_INT64, np.int64), **dict.fromkeys(_UINT32, np.uint32),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -120,48 +127,45 @@ class _Source:
         if self._again and not self._at_start:
             self._iterator = iter(self._pieces)
         self._at_start = False
-        return _stream.GO_ON if self._again else _stream.END
+        return _GO_ON if self._again else _END
 
     def next(self, seeds: Any) -> int:
         try:
             piece = next(self._iterator)
         except StopIteration:
-            return _stream.END
+            return _END
         array = np.ascontiguousarray(self._points_of(piece), dtype=np.float64)
         if array.shape[1] != self.dimensions:
             raise ValueError(f"one of pieces has shape {array.shape}: it must be (n, {self.dimensions}), as the first one")
         self._held = (array,)
-        seeds[0].count, seeds[0].points = len(array), array.ctypes.data
+        seeds[0].count, seeds[0].points = len(array), array
         if self._beside:
             beside = as_one_each(self._pair(piece)[1], self._beside, len(array), "points")
             self._held = (array, beside)
-            setattr(seeds[0], self._beside, beside.ctypes.data)
-        return _stream.GO_ON
+            setattr(seeds[0], self._beside, beside)
+        return _GO_ON
 
     def begin(self, head: Any) -> int:
         self.box = np.array([head[0].box_lower[: self.dimensions], head[0].box_upper[: self.dimensions]])
         if head[0].periodic and "indices" in self._present:
             self._present.add("shifts")
-        return _stream.GO_ON
+        return _GO_ON
 
     def rows(self, rows: Any) -> int:
         some = rows[0]
-        counts = {"count": some.count, "more": some.count + 1, "entries": some.entries}
 
         def array(name: str) -> Any:
-            dtype, columns, of = _stream.ARRAYS[name]
-            columns = columns and self.dimensions
+            dtype = np.dtype(_TYPES.get(name, np.float64))
+            of_entries = name in ("indices", "shifts", "face_areas", "face_normals")
+            count = some.entries if of_entries else some.count + (name == "indptr")
+            shape = (count, self.dimensions) if name in ("shifts", "face_normals", "centroids") else (count,)
             address = getattr(some, name)
-            shape = (counts[of], columns) if columns else (counts[of],)
             if not address:
-                present = name in self._present
-                return np.empty(shape, dtype) if present else None
-            size = counts[of] * (columns or 1) * np.dtype(dtype).itemsize
-            return np.frombuffer(ctypes.string_at(address, size), dtype).reshape(shape)
+                return np.empty(shape, dtype) if name in self._present else None
+            return np.frombuffer(ctypes.string_at(address, int(np.prod(shape)) * dtype.itemsize), dtype).reshape(shape)
 
-        arrays = {name: array(name) for name in _stream.ARRAYS}
-        self._rows(StreamRows(some.first, **arrays))
-        return _stream.GO_ON
+        self._rows(StreamRows(some.first, **{name: array(name) for name in StreamRows.__dataclass_fields__ if name != "first"}))
+        return _GO_ON
 
 
 @with_short_forms
@@ -225,29 +229,18 @@ def tessellate_stream(
         planar=source.dimensions == 2,
     )  # fmt: skip
     given = as_domain(domain, keywords)
-    kept = given._fill(options, None)
+    given._fill(options, None)
     source.expect(implied_words(options))
-    counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
-    c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
+    counts, c_stats = _c_api.StreamCounts(), _c_api.Stats()
+    stream = _c_api.Stream(verify=checks, hull=given.is_hull, memory=bytes_of_run, temporary=folder)
+    types = dict(_c_api.Stream._fields_)  # type: ignore[arg-type]
     with showing(progress) as show:
         with Callbacks() as callbacks:
             options.progress = callbacks.progress(show)
-            stream = _stream.Stream(
-                struct_size=ctypes.sizeof(_stream.Stream),
-                verify=checks,
-                hull=given.is_hull,
-                memory=bytes_of_run,
-                temporary=folder,
-                restart=callbacks.guarded(_stream.Restart, source.restart, _stream.STOP),
-                next=callbacks.guarded(_stream.Next, source.next, _stream.STOP),
-                begin=callbacks.guarded(_stream.Begin, source.begin, _stream.STOP),
-                rows=callbacks.guarded(_stream.Take, source.rows, _stream.STOP),
-            )
-            status = _stream.tessellate(
-                ctypes.byref(stream), ctypes.byref(options), ctypes.byref(counts), ctypes.byref(c_stats)
-            )
+            for name in ("restart", "next", "begin", "rows"):
+                setattr(stream, name, callbacks.guarded(types[name], getattr(source, name), _STOP))
+            status = lib.votess_tessellate_stream(stream, options, counts, c_stats)
         raise_on_failure(status)
-    del kept
     fields = {name: getattr(counts, name) for name in ("blocks", "largest_block", "asked_cells", "temporary_bytes")}
     if verify:
         fields["verified"] = read_report(counts.passed, counts.checks_skipped, counts.sampled, counts.failure)
