@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/packed.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
@@ -16,7 +17,8 @@ namespace votess {
 // message need not be sent.
 using Message = std::vector<std::byte>;
 
-// A structure has a static function parts(), which returns references to its values as a tuple.
+// A structure has a static function parts(), which returns references to its values as a tuple; or it has put_to() and
+// get_from().
 template <class T>
 concept HasParts = requires(T& value) {
     T::parts(value);
@@ -26,7 +28,9 @@ class Writer {
 public:
     template <class T>
     void put(const T& value) {
-        if constexpr (HasParts<T>) {
+        if constexpr (requires { value.put_to(*this); }) {
+            value.put_to(*this);
+        } else if constexpr (HasParts<T>) {
             std::apply([this](const auto&... part) { (put(part), ...); }, T::parts(value));
         } else {
             static_assert(std::is_trivially_copyable_v<T>);
@@ -45,6 +49,14 @@ public:
         const auto bytes = std::as_bytes(values);
         bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     }
+    // Puts an array in fewer bytes, for Reader::unpack().
+    template <class T>
+    void pack(const std::vector<T>& values) {
+        std::vector<std::byte> packed;
+        const PackedHead head = votess::pack(std::span(values), packed);
+        put(head);
+        append(head.is_plain() ? std::as_bytes(std::span(values)) : std::span<const std::byte>(packed));
+    }
     [[nodiscard]] Message take() { return std::move(bytes_); }
 
 private:
@@ -58,7 +70,9 @@ public:
 
     template <class T>
     void get(T& value) {
-        if constexpr (HasParts<T>) {
+        if constexpr (requires { value.get_from(*this); }) {
+            value.get_from(*this);
+        } else if constexpr (HasParts<T>) {
             std::apply([this](auto&... part) { (get(part), ...); }, T::parts(value));
         } else {
             static_assert(std::is_trivially_copyable_v<T>);
@@ -74,6 +88,18 @@ public:
         values.resize(count);
         if (count > 0) std::memcpy(values.data(), take(count * sizeof(T)), count * sizeof(T));
     }
+    // most: the number of values that the array may have.
+    template <class T>
+    void unpack(std::vector<T>& values, std::uint64_t most) {
+        PackedHead head;
+        get(head);
+        if (!head.is_valid() || head.each != sizeof(T) || head.count > most || head.size > bytes_.size()) refuse();
+        values.resize(static_cast<std::size_t>(head.count));
+        const auto size = static_cast<std::size_t>(head.size);
+        const auto to = std::as_writable_bytes(std::span(values));
+        if (Unpacker(head).unpack({take(size), size}, to).written < to.size()) refuse();
+    }
+    [[nodiscard]] std::size_t left() const { return bytes_.size(); }  // bytes
     void end() const {
         if (!bytes_.empty()) refuse();
     }

@@ -74,6 +74,9 @@ void CpuClipper::sort(std::span<const std::int32_t> order) {
         sort_inside(job_.points, job_.scale, job_.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
     gather_weights();
     gather_beyond();
+    row_places_.resize_uninitialized(job_.row_order.empty() ? 0 : seeds_.size());
+    for (std::size_t s = 0; s < row_places_.size(); ++s)
+        row_places_[s] = job_.row_order[static_cast<std::size_t>(seeds_.input[s])];
     if (seeds_.duplicates > 0 && job_.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
@@ -295,7 +298,7 @@ void CpuClipper::begin_workers(ResultBuilder& out) {
         worker->hard.clear();  // of a cancelled job
         worker->builder.begin_job(*job_.domain);
         worker->star->begin_job(*job_.domain);
-        worker->writer.begin_job(job_, star_kernels(kernels_->name), out);
+        worker->writer.begin_job(job_, star_kernels(kernels_->name), row_places_, out);
         worker->writer.keep(kept_, index++);
     }
 }

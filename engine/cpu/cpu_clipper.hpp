@@ -65,6 +65,11 @@ public:
     void keep_sample(ResultBuilder& out);
     // Replaces clip_all(): makes the cells of the job's subset.
     void clip_only(ResultBuilder& out, const Share& share);
+    // After another call: makes cells of the same seeds. job: with another want, and a subset.
+    void clip_more(const Job& job, ResultBuilder& out, const Share& share) {
+        job_ = job;
+        clip_only(out, share);
+    }
     // Replaces clip_all(): makes the cells of the first `count` points of the job, those of the result. The other
     // points are only neighbors. powers: by cell, Star::power_found(), or the power of all vertices of a clipped cell.
     void clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share);
@@ -134,6 +139,7 @@ private:
     // Scratch memory, kept from job to job.
     Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
     bool positions_known_ = false;
+    Buffer<std::int32_t> row_places_;  // by sorted seed, if the job has a row_order
     std::vector<std::int32_t> order_;  // sorted seeds to clip
     std::vector<std::size_t> blocks_;  // beginnings of blocks, and the end of the last
     std::vector<bool> chosen_;

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -52,7 +51,18 @@ struct Seeds {
         return out;
     }
 
-    static auto parts(auto& seeds) { return std::tie(seeds.ids, seeds.points, seeds.weights, seeds.tags); }
+    void put_to(Writer& writer) const {
+        writer.pack(ids);
+        writer.pack(points);
+        writer.pack(weights);
+        writer.pack(tags);
+    }
+    void get_from(Reader& reader) {
+        reader.unpack(ids, reader.left());  // each takes a byte or more
+        reader.unpack(points, 3 * ids.size());
+        reader.unpack(weights, ids.size());
+        reader.unpack(tags, ids.size());
+    }
 };
 
 // Returns the place of an id among ascending ones, or their number where it is not there.

@@ -40,7 +40,8 @@ inline void narrow(const exact::Shift& shift, std::int8_t* out) {
 
 }  // namespace
 
-void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out) {
+void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span<const std::int32_t> row_places,
+                           ResultBuilder& out) {
     kernels_ = &kernels;
     out_ = &out;
     want_ = job.want;
@@ -56,7 +57,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     placed_ = needs_geometry(want_);
     measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
     ranked_ = measured_ || want_.neighbors;
-    row_order_ = job.row_order;
+    row_places_ = row_places;
     unscale_ = 1 / job.scale;
     counters_ = {};
     const Box& box = domain_->box;
@@ -77,6 +78,10 @@ void CellWriter::prefetch(std::size_t seed) const {
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
     if (want_.volumes) __builtin_prefetch(&out_->volumes()[input], 1);
     if (want_.centroids) __builtin_prefetch(&out_->centroids()[3 * input], 1);
+    if (want_.radii) __builtin_prefetch(&out_->security_radii()[input], 1);
+    if (!want_.counts) return;
+    for (const auto counts : {out_->face_counts(), out_->edge_counts(), out_->vertex_counts()})
+        __builtin_prefetch(&counts[input], 1);
 }
 
 void CellWriter::skip_row() {
@@ -349,10 +354,11 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
     wall_faces_ = walls;
     hidden_ = walls_ ? 0 : walls;
     const std::int32_t* keys = names_.data();
-    if (!row_order_.empty()) {
+    if (!row_places_.empty()) {
         keys_.resize(count);
+        const std::int32_t* const places = row_places_.data();
         for (std::size_t f = 0; f < count; ++f)
-            keys_[f] = names_[f] < 0 ? names_[f] : row_order_[static_cast<std::size_t>(names_[f])];
+            keys_[f] = ids[f] < 0 ? ids[f] : places[images == nullptr ? ids[f] : images->home(ids[f])];
         keys = keys_.data();
     }
     if (count > max_ranked) return rank_labels();
@@ -370,7 +376,7 @@ bool CellWriter::ranks_differ() const {
 }
 
 void CellWriter::rank_labels() {
-    const std::vector<std::int32_t>& keys = row_order_.empty() ? names_ : keys_;
+    const std::vector<std::int32_t>& keys = row_places_.empty() ? names_ : keys_;
     order_.resize(ranked_ids_.size());
     std::iota(order_.begin(), order_.end(), 0u);
     std::ranges::sort(order_, {}, [&](std::uint32_t f) { return std::pair(keys[f], shift_of(f)); });

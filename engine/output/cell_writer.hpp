@@ -24,7 +24,9 @@ class CellWriter {
 public:
     explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds), kept_planes_(seeds) {}
 
-    void begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out);
+    // row_places: of each sorted seed in Job::row_order; or empty.
+    void begin_job(const Job& job, const StarKernels& kernels, std::span<const std::int32_t> row_places,
+                   ResultBuilder& out);
     // When `star` begins another stretch.
     void begin_stretch() { polygon_writer_.begin_stretch(); }
     // Prefetches the places of a cell's values, when the cell is started.
@@ -128,7 +130,7 @@ private:
     bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
     Want want_;
     bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, ranked_ = false;
-    std::span<const std::int32_t> row_order_;  // see Job
+    std::span<const std::int32_t> row_places_;
     double unscale_ = 1;
     CellCounters counters_;
     FaceTally tally_;

@@ -16,7 +16,7 @@ public:
     // job: its points are the queries. duplicate_of: by query, where the seed at its place is written.
     void begin_job(const Job& job, const StarKernels& kernels, std::span<std::int32_t> duplicate_of,
                    ResultBuilder& out) {
-        writer_.begin_job(job, kernels, out);
+        writer_.begin_job(job, kernels, {}, out);
         duplicate_of_ = duplicate_of;
     }
     // The numbers of the queries of a run, which stay as they are until the result is finished.

@@ -53,8 +53,10 @@ InBlocks in_blocks(std::span<const double> given, const Options& options, std::s
     }
     std::deque<blocks::LocalBlock> all;
     std::vector<Message> outlines;
+    Settled run = domain.of_blocks();
+    run.want.neighbors = true;  // cells of blocks have rows
     for (const Seeds& seeds : own) {
-        all.emplace_back(domain.of_blocks(), seeds);
+        all.emplace_back(run, seeds);
         outlines.push_back(to_message(summary_of(all.back().outline()).tiles));
     }
     for (std::size_t b = 0; b < count; ++b) {

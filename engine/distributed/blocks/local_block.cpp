@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/arithmetic.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "distributed/blocks/far_cells.hpp"
@@ -19,11 +20,13 @@ Settled part_of(const Settled& whole, const Seeds& seeds) {
     Settled part = whole;
     part.points = {seeds.points, {}};
     part.weights = {seeds.weights};
-    part.want.neighbors = true;
-    // Measures include the radius, see Run::reach_of().
+    // Measures include the radius. Without it Run::reach_of() needs rows.
     part.want.radii |= part.want.volumes || part.want.centroids || part.want.areas || part.want.surfaces;
+    part.want.neighbors |= !part.want.radii;
     return part;
 }
+
+constexpr std::size_t task_seeds = 4096;
 
 // Returns the rank of each id. The ids ascend up to `middle`, and again from there.
 std::vector<std::int32_t> places_by_id(std::span<const std::int64_t> ids, std::size_t middle) {
@@ -87,10 +90,11 @@ void Run::clip(const Settled& whole, std::size_t first) {
     job.row_order = row_order;
     clipper.begin(job);
     Progress progress(whole.progress);
+    const bool lists = job.want.neighbors;
     {
         const Stoppable stoppable(progress);
-        clipper.sort();
-        clipper.build_search();
+        if (lists) clipper.sort();  // prepare() would release what is lent to the rows
+        clipper.prepare();
     }
     Job of_first = job;
     of_first.points.f64 = of_first.points.f64.first(3 * first);
@@ -98,7 +102,8 @@ void Run::clip(const Settled& whole, std::size_t first) {
     ResultBuilder builder;
     ThreadPool& pool = clipper.pool();
     builder.begin(of_first, pool);
-    powers.assign(first, cpu::Star::min_power);
+    if (lists) clipper.lend_scratch(builder);
+    if (!job.want.radii) powers.assign(first, cpu::Star::min_power);
     clipper.clip_first(first, powers, builder, clipping);
     Progress::require(progress.going_on(clipping.end));
     const Stoppable stoppable(progress);
@@ -106,6 +111,19 @@ void Run::clip(const Settled& whole, std::size_t first) {
     const auto duplicate_of = clipper.duplicate_of();
     builder.set_duplicates(duplicate_of.first(std::min(first, duplicate_of.size())), pool);
     builder.finish(result, pool);
+}
+
+void Run::clip_rows(std::vector<std::int32_t> cells) {
+    rows_of = std::make_shared<Subset>(std::move(cells));
+    Job lists = job;
+    lists.want = {};
+    lists.want.volumes = false;
+    lists.only = rows_of;
+    lists.reports_weights = false;
+    ResultBuilder builder;
+    builder.begin(lists, clipper.pool());
+    clipper.clip_more(lists, builder, {clipping.end, clipping.end});
+    builder.finish(rows, clipper.pool());
 }
 
 Seeds with_others(Seeds cells, const Seeds& others) {
@@ -126,36 +144,40 @@ double Run::reach_of(std::size_t cell, double heaviest) const {
         return reach_within(radius * radius, heaviest - weight);
     }
     double power = powers[cell];
-    for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);
-         ++e) {
-        const std::int32_t neighbor = result.indices[e];
+    for (const std::int32_t neighbor : neighbors(cell))
         if (neighbor >= 0 && static_cast<std::size_t>(neighbor) < powers.size())
             power = std::max(power, powers[static_cast<std::size_t>(neighbor)]);
-    }
     const double square = cpu::bounds::back(power, weight);
     return reach_within(square, heaviest - weight);
+}
+
+Run::Row Run::row_of(std::size_t cell) const {
+    const detail::Result& of = has_rows() ? result : rows;
+    const auto row = has_rows() ? cell : static_cast<std::size_t>(rows_of->row_of(static_cast<std::int32_t>(cell)));
+    const auto begin = static_cast<std::size_t>(of.indptr[row]), end = static_cast<std::size_t>(of.indptr[row + 1]);
+    return {&of, begin, end - begin};
 }
 
 LocalBlock::LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds> tiled)
     : whole_(whole),
       count_(own.size()),
-      all_{.seeds = std::move(own), .row_order = {}, .job = {}, .clipper = {}, .powers = {}, .result = {}},
-      job_(make_job(part_of(whole, all_.seeds))),
+      job_(make_job(part_of(whole, own))),
       nearness_(*job_.domain),
       far_(std::make_unique<FarCells>()) {
-    places_.reserve(count_);
-    for (std::size_t i = 0; i < count_; ++i) {
-        exact::Point x;
-        for (std::size_t k = 0; k < 3; ++k) x[k] = all_.seeds.points[3 * i + k] * job_.scale;
-        const auto place = cpu::place_in(*job_.domain, x);
-        if (!place)
-            refuse("seed " + std::to_string(all_.seeds.ids[i]) +
-                   " lies more than 500 million periods away from the box");
-        places_.push_back(place->at);
-    }
+    all_.seeds = std::move(own);
     job_.points = {};
-    all_.clipper.begin(job_);  // for its threads
-    tiled_ = tiled ? std::move(*tiled) : tile_seeds(places_, job_.domain->weights, all_.clipper.pool());
+    ThreadPool& pool = all_.clipper.pool_of(whole.threads);
+    places_.resize(count_);
+    pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * task_seeds; i < std::min(count_, (task + 1) * task_seeds); ++i) {
+            const auto place = cpu::place_in(*job_.domain, point_of(all_.seeds.points, i, job_.scale));
+            if (!place)
+                refuse("seed " + std::to_string(all_.seeds.ids[i]) +
+                       " lies more than 500 million periods away from the box");
+            places_[i] = place->at;
+        }
+    });
+    tiled_ = tiled ? std::move(*tiled) : tile_seeds(places_, job_.domain->weights, pool);
 }
 
 LocalBlock::~LocalBlock() = default;
@@ -193,12 +215,17 @@ double LocalBlock::weight_of(std::size_t cell) const {
 
 // Returns a bound on the reach of all cells, whatever their neighbors are.
 double LocalBlock::longest_reach(double heaviest) const {
-    if (all_.powers.empty()) return 0;
+    const auto& radii = all_.result.security_radii;
+    if (all_.powers.empty() && radii.empty()) return 0;
     const auto& weights = job_.domain->weights;
     const auto [lightest, own_heaviest] =
         weights.empty() ? std::pair(0.0, 0.0) : std::pair(std::ranges::min(weights), std::ranges::max(weights));
-    const double square = cpu::bounds::back(std::ranges::max(all_.powers), own_heaviest);
-    return reach_within(square, heaviest - lightest);
+    if (radii.empty()) {
+        const double square = cpu::bounds::back(std::ranges::max(all_.powers), own_heaviest);
+        return reach_within(square, heaviest - lightest);
+    }
+    const double radius = 0.5 * std::ranges::max(radii) * job_.scale;
+    return reach_within(radius * radius, heaviest - lightest);
 }
 
 bool LocalBlock::any_near(std::size_t tile, double reach) const {

@@ -61,13 +61,35 @@ struct Run {
     std::vector<std::int32_t> row_order;  // see Job
     Job job;
     cpu::CpuClipper clipper;
-    std::vector<double> powers;  // see CpuClipper::clip_first()
-    detail::Result result;
+    std::vector<double> powers;  // see CpuClipper::clip_first(); empty if the result has radii
+    detail::Result result;       // without rows if nobody wants them and it has radii
+    // Rows of some cells, if the result has none.
+    std::shared_ptr<const Subset> rows_of;
+    detail::Result rows;
 
     // Finds the cells of the first seeds. whole: the run, with its box and without weights.
     void clip(const Settled& whole, std::size_t first);
+    // After clip(): finds the rows of certified cells.
+    void clip_rows(std::vector<std::int32_t> cells);
+    [[nodiscard]] bool has_rows() const { return !result.indptr.empty(); }
+    // Returns the row of a cell, and its shifts, three an entry. The cell has a row.
+    [[nodiscard]] std::span<const std::int32_t> neighbors(std::size_t cell) const {
+        const auto [of, begin, size] = row_of(cell);
+        return {of->indices.data() + begin, size};
+    }
+    [[nodiscard]] std::span<const std::int8_t> shifts(std::size_t cell) const {
+        const auto [of, begin, size] = row_of(cell);
+        return {of->shifts.data() + 3 * begin, 3 * size};
+    }
     // After clip(): returns a distance beyond which no seed of at most that weight cuts the cell.
     [[nodiscard]] double reach_of(std::size_t cell, double heaviest) const;
+
+private:
+    struct Row {
+        const detail::Result* of;
+        std::size_t begin, size;
+    };
+    [[nodiscard]] Row row_of(std::size_t cell) const;
 };
 // Returns the cells, which ascend by id, and then the others, each seed once and ascending.
 Seeds with_others(Seeds cells, const Seeds& others);

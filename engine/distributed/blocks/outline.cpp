@@ -1,6 +1,7 @@
 #include "distributed/blocks/outline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace votess::blocks {
@@ -22,7 +23,7 @@ Box wider(const Box& box, double by) {
     return moved({{box.lower[0] - 2 * by, box.lower[1] - 2 * by, box.lower[2] - 2 * by}, box.upper}, {by, by, by});
 }
 
-// Splits seeds at the median of the longest side until tiles are small enough.
+// Splits seeds at about the median of the longest side until tiles are small enough.
 class Tiler {
 public:
     struct Seed {
@@ -89,10 +90,20 @@ private:
         for (std::size_t k = 1; k < 3; ++k)
             if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
         const auto at = [&](std::size_t k) { return seeds_.begin() + static_cast<std::ptrdiff_t>(k); };
-        const auto middle = at(range.begin + (range.end - range.begin) / 2);
-        std::nth_element(at(range.begin), middle, at(range.end), [axis](const Seed& a, const Seed& b) {
+        const auto before = [axis](const Seed& a, const Seed& b) {
             return a.x[axis] != b.x[axis] ? a.x[axis] < b.x[axis] : a.x < b.x;
-        });
+        };
+        const std::size_t count = range.end - range.begin;
+        // The median of a sample saves passes over all.
+        std::array<Seed, 63> sample;
+        for (std::size_t k = 0; k < sample.size(); ++k) sample[k] = seeds_[range.begin + count * k / sample.size()];
+        const auto pivot = sample.begin() + sample.size() / 2;
+        std::nth_element(sample.begin(), pivot, sample.end(), before);
+        const auto second =
+            std::partition(at(range.begin), at(range.end), [&](const Seed& seed) { return before(seed, *pivot); });
+        if (second != at(range.begin)) return static_cast<std::size_t>(second - seeds_.begin());
+        const auto middle = at(range.begin + count / 2);
+        std::nth_element(at(range.begin), middle, at(range.end), before);
         const exact::Point first = middle->x;
         const auto moved = std::partition(at(range.begin), middle, [&](const Seed& seed) { return seed.x != first; });
         return static_cast<std::size_t>(moved - seeds_.begin());

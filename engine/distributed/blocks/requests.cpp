@@ -30,7 +30,20 @@ public:
         double reach;
     };
     std::vector<Pending> pending_of_tile(std::size_t tile) {
-        if (!block_.any_near(tile, longest_)) return {};
+        std::vector<Pending> pending;
+        for_tested(tile, [&](std::size_t cell, double reach) { test(cell, reach, pending); });
+        return pending;
+    }
+    // Adds the cells of a tile that have to be tested: those that may reach a box of unknown seeds.
+    void add_tested(std::size_t tile, std::vector<std::int32_t>& cells) {
+        for_tested(tile, [&](std::size_t cell, double) { cells.push_back(static_cast<std::int32_t>(cell)); });
+    }
+
+private:
+    // Calls visit(cell, reach). Then near_ are the boxes within reach.
+    template <class Visit>
+    void for_tested(std::size_t tile, const Visit& visit) {
+        if (!block_.any_near(tile, longest_)) return;
         const std::size_t begin = block_.tiled_.begin[tile], end = block_.tiled_.begin[tile + 1];
         double farthest = 0;
         reaches_.assign(end - begin, -1);
@@ -39,7 +52,6 @@ public:
             if (block_.all_.result.status[cell] != CellStatus::certified) continue;
             farthest = std::max(farthest, reaches_[k - begin] = block_.all_.reach_of(cell, heaviest_));
         }
-        std::vector<Pending> pending;
         std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);
         std::ranges::sort(unknown, {}, &Unknown::from_tile);
         for (std::size_t k = begin; k < end && !unknown.empty(); ++k) {
@@ -51,27 +63,25 @@ public:
                 if (one.from_tile > reach * reach) break;
                 if (distance_squared(block_.places_[cell], one.box) <= reach * reach) near_.push_back(&one);
             }
-            if (!near_.empty()) test(cell, reach, pending);
+            if (!near_.empty()) visit(cell, reach);
         }
-        return pending;
     }
 
-private:
     // Returns the cell of an own seed, clipped by its neighbors again.
     cpu::Cell& from_neighbors(std::size_t number) {
-        const detail::Result& result = block_.all_.result;
+        const auto neighbors = block_.all_.neighbors(number);
+        const auto shifts = block_.all_.shifts(number);
         const auto own = static_cast<std::size_t>(block_.positions_[number]);
         const cpu::SeedImages* const images = block_.all_.clipper.seeds().images;
         neighbors_.clear();
         shifts_.clear();
-        for (auto e = static_cast<std::size_t>(result.indptr[number]);
-             e < static_cast<std::size_t>(result.indptr[number + 1]); ++e) {
-            if (result.indices[e] < 0) continue;
-            const std::int32_t neighbor = block_.positions_[static_cast<std::size_t>(result.indices[e])];
+        for (std::size_t e = 0; e < neighbors.size(); ++e) {
+            if (neighbors[e] < 0) continue;
+            const std::int32_t neighbor = block_.positions_[static_cast<std::size_t>(neighbors[e])];
             neighbors_.push_back(neighbor);
             if (images == nullptr) continue;
             exact::Shift shift = images->shift_in_domain(neighbor, own);
-            for (std::size_t j = 0; j < 3; ++j) shift[j] = result.shifts[3 * e + j] - shift[j];
+            for (std::size_t j = 0; j < 3; ++j) shift[j] = shifts[3 * e + j] - shift[j];
             shifts_.push_back(shift);
         }
         return images == nullptr ? builder_.build_from(own, neighbors_) : builder_.build_from(own, neighbors_, shifts_);
@@ -118,15 +128,23 @@ void LocalBlock::make_requests() {
     ThreadPool& pool = all_.clipper.pool();
     std::deque<Requester> requesters;
     for (unsigned k = 0; k < pool.size(); ++k) requesters.emplace_back(*this);
+    if (!all_.has_rows()) {
+        std::vector<std::vector<std::int32_t>> tested(pool.size());
+        pool.run(tiles,
+                 [&](std::size_t tile, unsigned worker) { requesters[worker].add_tested(tile, tested[worker]); });
+        std::vector<std::int32_t> cells;
+        for (const auto& some : tested) cells.insert(cells.end(), some.begin(), some.end());
+        std::ranges::sort(cells);
+        if (!cells.empty()) all_.clip_rows(std::move(cells));
+    }
     pool.run(tiles,
              [&](std::size_t tile, unsigned worker) { pending[tile] = requesters[worker].pending_of_tile(tile); });
     for (const auto& of_tile : pending)
         for (const Requester::Pending& one : of_tile) {
             pending_.push_back(one.cell);
             const std::size_t kept = kept_neighbors_.size();
-            for (auto e = all_.result.indptr[one.cell]; e < all_.result.indptr[one.cell + 1]; ++e)
-                if (const std::int32_t i = all_.result.indices[static_cast<std::size_t>(e)]; i >= 0)
-                    kept_neighbors_.push_back(i);
+            for (const std::int32_t i : all_.neighbors(one.cell))
+                if (i >= 0) kept_neighbors_.push_back(i);
             for (const std::uint32_t b : one.blocks) {
                 requests_[b].cells.add(all_.seeds, one.cell);
                 requests_[b].reaches.push_back({places_[one.cell], one.reach});
@@ -174,6 +192,7 @@ std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<cons
     run.seeds = with_others(cells, others);
     Settled lists = whole;
     lists.want = {};
+    lists.want.volumes = false;
     run.clip(lists, cells.size());
 
     // By cell: indices of seeds.

@@ -175,7 +175,9 @@ private:
         std::optional<LocalBlock> block;
         Message outline;
         ranks_.together([&] {
-            block.emplace(domain_->of_blocks(), made_);
+            Settled run = domain_->of_blocks();
+            run.want.neighbors = true;  // cells travel with their rows
+            block.emplace(run, made_);
             outline = votess::to_message(summary_of(block->outline()).tiles);
         });
         const std::vector<Message> outlines = ranks_.gather_all(outline);

@@ -18,6 +18,11 @@ namespace {
 constexpr std::size_t task_seeds = 4096;
 constexpr std::uint32_t no_block = std::numeric_limits<std::uint32_t>::max();
 
+// Returns whether float32 holds the coordinates.
+bool is_single(std::span<const double> points) {
+    return std::ranges::all_of(points, [](double x) { return static_cast<double>(static_cast<float>(x)) == x; });
+}
+
 Job job_of(std::uint64_t first, const StreamSeeds& some, Settled run) {
     run.points = {some.points, {}, first};
     run.weights = weights_of(some.weights, some.radii);
@@ -87,8 +92,8 @@ void Intake::read(const Task& task) {
         copied_weights_->rewind();
         std::vector<double> points, weights;
         while (copied_points_->remaining() > 0) {
-            const auto count = std::min<std::size_t>(
-                max_at_once_, static_cast<std::size_t>(copied_points_->remaining() / (3 * sizeof(double))));
+            const auto count =
+                std::min<std::size_t>(max_at_once_, static_cast<std::size_t>(copied_points_->remaining() / 3));
             points.resize(3 * count);
             copied_points_->read(std::span(points));
             weights.resize(weighted_ ? count : 0);
@@ -152,6 +157,7 @@ void Intake::check(std::uint64_t first, const StreamSeeds& some) {
     std::vector<CellStatus> outside;
     const Box box = check_points({some.points, {}, first}, region_, outside);
     include(bounds_, box);
+    singles_ = singles_ && is_single(some.points);
 }
 
 // Keeps every 2^k-th seed, with the least k that fits.

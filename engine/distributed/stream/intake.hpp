@@ -25,6 +25,8 @@ public:
     void scan();
     [[nodiscard]] std::uint64_t seeds() const { return seeds_; }
     [[nodiscard]] bool weighted() const { return weighted_; }
+    // Whether float32 holds all coordinates.
+    [[nodiscard]] bool singles() const { return singles_; }
     [[nodiscard]] const Box& bounds() const { return bounds_; }
     // Returns the walls of the hull. Throws when it has no interior.
     [[nodiscard]] std::vector<Wall> hull_walls() { return hull_->walls(seeds_); }
@@ -32,7 +34,7 @@ public:
     [[nodiscard]] std::uint64_t bytes() const { return file_ ? file_->size() : 0; }
 
     struct BlockSpools {
-        std::vector<Spool> ids, points, weights;  // by block: an int64, three doubles and one for each seed
+        std::vector<Spool> ids, points, weights;  // by block: an int64, three float64 and one for each seed
         std::vector<Box> boxes;                   // around the places of its seeds, times the scale
         std::vector<double> heaviest;             // times the scale squared
         std::vector<std::uint64_t> counts;
@@ -61,7 +63,7 @@ private:
     std::optional<Spool> copied_points_, copied_weights_;
     std::size_t max_at_once_, max_sampled_;
     std::uint64_t seeds_ = 0, every_ = 1;
-    bool weighted_ = false, radii_ = false, scanned_ = false;
+    bool weighted_ = false, radii_ = false, scanned_ = false, singles_ = true;
     Box bounds_;
     std::optional<HullOfParts> hull_;
     std::vector<double> sample_;

@@ -12,10 +12,14 @@ constexpr double min_block = 500;
 // part whatever the blocks are.
 constexpr double share_of_block = 0.9, of_threads = 40e6, max_of_threads = 0.25;
 
-// Returns the bytes of the wanted arrays for one cell. The entries of its row count `times`.
-double wanted_bytes(const Want& want, double times) {
-    return 8.0 * want.volumes + 24.0 * want.centroids + 12.0 * want.counts + 8.0 * want.surfaces + 8.0 * want.radii +
-           times * entries * (8.0 * want.areas + 24.0 * want.normals);
+// Returns the bytes of a cell's measures in memory.
+double measures(const Want& want) {
+    return 8.0 * want.volumes + 24.0 * want.centroids + 12.0 * want.counts + 8.0 * want.surfaces + 8.0 * want.radii;
+}
+
+// Returns the bytes of a row's values.
+double values(const Want& want) {
+    return entries * (8.0 * want.areas + 24.0 * want.normals);
 }
 
 // Returns the seeds of a block and its halo, see Tile::width.
@@ -24,13 +28,18 @@ double with_halo(double seeds) {
     return seeds * std::pow(1 + halos / side, 3);
 }
 
-// Returns the bytes while a block is clipped: its seeds and halo, as given and sorted, and the cells, whose rows exist
-// twice while they are ordered.
+// Returns the bytes of a block: while its seeds and halo, as given and in their places, are sorted, or while its cells
+// are clipped. A block needs radii, or rows to find these.
 double bytes_of_block(double seeds, const Kind& kind) {
-    const double of_seed = 32 + (kind.weighted ? 24 : 0) + 24 + 4 + 36 + 8 + (kind.periodic ? 36 : 0);
-    const double of_cell =
-        24 + 4 + 8 + 4 + 8 + 9 + entries * (4 + 4 + (kind.periodic ? 6 : 0)) + wanted_bytes(kind.want, 2);
-    return with_halo(seeds) * of_seed + seeds * of_cell;
+    const Want& want = kind.want;
+    const bool measured = want.volumes || want.centroids || want.surfaces || want.radii || want.areas;
+    const bool rows = want.neighbors || !measured;
+    const double of_seed = 32 + 4 + (kind.weighted ? 24 : 0) + (kind.periodic ? 36 : 0) + 24 + 4 + 4 + 7;
+    constexpr double to_sort = 40;  // lent to the rows
+    const double of_cell = 24 + 4 + 1 + measures(want) + (measured && !want.radii ? 8 : 0) + (rows ? 8 + 8 : 0) +
+                           (rows ? entries * (4 + 2.5 + (kind.periodic ? 6 : 0)) + 2 * values(want) : 0);
+    const double cells = seeds * of_cell, sorting = with_halo(seeds) * to_sort;
+    return with_halo(seeds) * of_seed + (rows ? cells + sorting : std::max(cells, sorting + seeds * (24 + 4)));
 }
 
 }  // namespace
@@ -46,10 +55,14 @@ std::size_t blocks_for(std::uint64_t memory, std::uint64_t seeds, const Kind& ki
 
 std::uint64_t bytes_on_disk(std::uint64_t seeds, std::size_t blocks, const Kind& kind) {
     const double all = static_cast<double>(seeds), count = static_cast<double>(blocks);
-    const double of_seed = 32 + (kind.weighted ? 8 : 0);
-    const double of_row = 4 + 1 + (kind.want.neighbors ? entries * (4 + (kind.periodic ? 3 : 0)) : 0);
-    return static_cast<std::uint64_t>((with_halo(all / count) * count) * of_seed + all * 5 +
-                                      all * (of_row + wanted_bytes(kind.want, 1)));
+    const double of_id = count < 100 ? 1.3 : 2, of_tiles = 3;
+    const double of_seed = of_id + (kind.singles ? 12 : 24) + (kind.weighted ? 8 : 0);
+    const double of_row = kind.want.neighbors ? 1 + entries * (4 + (kind.periodic ? 3 : 0)) + values(kind.want) : 0;
+    // Counts take a byte each, and statuses nearly nothing.
+    Want measured = kind.want;
+    measured.counts = false;
+    const double of_cell = 0.1 + measures(measured) + (kind.want.counts ? 3 : 0);
+    return static_cast<std::uint64_t>(with_halo(all / count) * count * of_seed + all * (of_tiles + of_row + of_cell));
 }
 
 }  // namespace votess::stream

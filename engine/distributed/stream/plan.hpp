@@ -11,6 +11,7 @@ namespace votess::stream {
 struct Kind {
     Want want;
     bool periodic = false, weighted = false;
+    bool singles = false;  // float32 holds all coordinates
 };
 
 // Returns the least number of blocks of which the largest fits.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 #include "core/arithmetic.hpp"
 
@@ -112,8 +113,17 @@ void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std
         for (std::size_t k = 0; k < filled; ++k) {
             lengths_.append(std::span<const std::uint32_t>(pieces[k].lengths));
             entries_ += pieces[k].entries[Layout::indices].size() / layout_.bytes(Layout::indices);
-            for (std::size_t array = 0; array < arrays_.size(); ++array)
-                of(array).append(std::span<const std::byte>(pieces[k].entries[array]));
+            detail::for_row_arrays([&](const auto& array, std::size_t number) {
+                using Element = std::remove_cvref_t<decltype(array.of(result)[0])>;
+                const auto append = [&]<class T>(T) {
+                    const auto& bytes = pieces[k].entries[number];
+                    of(number).append(std::span(reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)));
+                };
+                if (number == Layout::indices && !layout_.narrow())
+                    append(std::int64_t{});
+                else
+                    append(Element{});
+            });
         }
     }
 }

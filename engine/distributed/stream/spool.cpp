@@ -60,23 +60,59 @@ void TemporaryFile::read(std::uint64_t at, std::span<std::byte> to) const {
 void Spool::append_bytes(std::span<const std::byte> bytes) {
     if (bytes.empty()) return;
     const std::uint64_t at = file_->append(bytes);
-    size_ += bytes.size();
     if (!extents_.empty() && extents_.back().at + extents_.back().size == at)
         extents_.back().size += bytes.size();
     else
         extents_.push_back({at, bytes.size()});
 }
 
-void Spool::read_bytes(std::span<std::byte> to) {
-    if (to.size() > remaining()) bug("a spool is read beyond its end");
-    read_ += to.size();
+Spool::Place Spool::after(Place at, std::uint64_t bytes) const {
+    at.within += bytes;
+    while (at.extent < extents_.size() && at.within >= extents_[at.extent].size)
+        at.within -= extents_[at.extent++].size;
+    return at;
+}
+
+Spool::Place Spool::read_bytes(Place at, std::span<std::byte> to) const {
     while (!to.empty()) {
-        const Extent& extent = extents_[extent_];
-        const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(to.size(), extent.size - within_));
-        file_->read(extent.at + within_, to.first(size));
-        within_ += size;
-        if (within_ == extent.size) ++extent_, within_ = 0;
+        if (at.extent == extents_.size()) bug("a spool is read beyond its end");
+        const Extent& extent = extents_[at.extent];
+        const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(to.size(), extent.size - at.within));
+        file_->read(extent.at + at.within, to.first(size));
+        at = after(at, size);
         to = to.subspan(size);
+    }
+    return at;
+}
+
+void Spool::next_piece() {
+    PackedHead head;
+    at_ = read_bytes(at_, std::as_writable_bytes(std::span(&head, 1)));
+    unpacker_ = Unpacker(head);
+}
+
+void Spool::read_values(std::span<std::byte> to) {
+    constexpr std::size_t at_once = 16384;
+    std::vector<std::byte> packed;
+    while (!to.empty()) {
+        if (unpacker_.values() == 0) next_piece();
+        const PackedHead& head = unpacker_.head();
+        if (to.size() % head.each != 0) bug("a spool has values of another size");
+        const std::uint64_t before = unpacker_.values();
+        if (head.is_plain()) {
+            const auto bytes =
+                to.first(static_cast<std::size_t>(std::min<std::uint64_t>(to.size(), unpacker_.bytes())));
+            at_ = read_bytes(at_, bytes);
+            unpacker_.skip(bytes.size());
+            to = to.subspan(bytes.size());
+        } else {
+            packed.resize(static_cast<std::size_t>(std::min<std::uint64_t>(at_once, unpacker_.bytes())));
+            (void)read_bytes(at_, packed);
+            const Unpacker::Done done = unpacker_.unpack(packed, to);
+            at_ = after(at_, done.used);
+            to = to.subspan(done.written);
+        }
+        read_ += before - unpacker_.values();
     }
 }
 

@@ -1,12 +1,16 @@
 // Arrays in temporary files.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "core/packed.hpp"
 #include "core/system.hpp"
 
 namespace votess::stream {
@@ -35,43 +39,75 @@ private:
 // Throws invalid_argument when the folder cannot be used.
 [[nodiscard]] std::uint64_t free_bytes(const std::string& folder);
 
-// An array in a file, which may hold several that grow side by side. It is read front to back.
+// An array in a file, which may hold several that grow side by side. Values are packed, see core/packed.hpp. They are
+// read front to back.
 class Spool {
 public:
     explicit Spool(TemporaryFile& file) : file_(&file) {}
 
+    // Appends a piece or more; bytes are one piece.
     template <class T>
     void append(std::span<const T> values) {
-        append_bytes(std::as_bytes(values));
+        constexpr std::size_t most = sizeof(T) > 1 ? max_piece : std::numeric_limits<std::size_t>::max();
+        for (std::size_t begin = 0; begin < values.size(); begin += std::min(most, values.size() - begin)) {
+            const auto piece = values.subspan(begin, std::min(most, values.size() - begin));
+            std::vector<std::byte> packed;
+            const PackedHead head = pack(piece, packed);
+            append_bytes(std::as_bytes(std::span(&head, 1)));
+            append_bytes(head.is_plain() ? std::as_bytes(piece) : std::span<const std::byte>(packed));
+            size_ += piece.size();
+        }
     }
     // Reads the next values.
     template <class T>
     void read(std::span<T> values) {
         static_assert(std::is_trivially_copyable_v<T>);
-        read_bytes(std::as_writable_bytes(values));
+        read_values(std::as_writable_bytes(values));
     }
+    // The next piece.
     template <class T>
-    [[nodiscard]] std::vector<T> read_rest() {
-        std::vector<T> values(static_cast<std::size_t>(remaining() / sizeof(T)));
+    [[nodiscard]] std::vector<T> read_piece() {
+        if (unpacker_.values() == 0) next_piece();
+        std::vector<T> values(static_cast<std::size_t>(unpacker_.values()));
         read(std::span(values));
         return values;
     }
-    [[nodiscard]] std::uint64_t size() const { return size_; }  // bytes
+    template <class T>
+    [[nodiscard]] std::vector<T> read_rest() {
+        std::vector<T> values(static_cast<std::size_t>(remaining()));
+        read(std::span(values));
+        return values;
+    }
+    [[nodiscard]] std::uint64_t size() const { return size_; }  // values
     [[nodiscard]] std::uint64_t remaining() const { return size_ - read_; }
-    void rewind() { extent_ = 0, within_ = read_ = 0; }
+    void rewind() {
+        read_ = 0;
+        at_ = {};
+        unpacker_ = {};
+    }
 
 private:
+    static constexpr std::size_t max_piece = 65536;  // values
+
     struct Extent {
         std::uint64_t at, size;
     };
+    struct Place {
+        std::size_t extent = 0;    // of the next byte
+        std::uint64_t within = 0;  // its position in that extent
+    };
     void append_bytes(std::span<const std::byte> bytes);
-    void read_bytes(std::span<std::byte> to);
+    void read_values(std::span<std::byte> to);
+    void next_piece();
+    // Reads the bytes at a place. Returns the place behind them.
+    Place read_bytes(Place at, std::span<std::byte> to) const;
+    [[nodiscard]] Place after(Place at, std::uint64_t bytes) const;
 
     TemporaryFile* file_;
     std::vector<Extent> extents_;
     std::uint64_t size_ = 0, read_ = 0;
-    std::size_t extent_ = 0;    // of the next byte
-    std::uint64_t within_ = 0;  // its position in that extent
+    Place at_;
+    Unpacker unpacker_;  // of the current piece
 };
 
 // Reads a spool value by value.
@@ -82,7 +118,7 @@ public:
     // Returns the next value, or null at the end.
     [[nodiscard]] const T* peek() {
         if (at_ == values_.size()) {
-            values_.resize(std::min<std::size_t>(max_values, static_cast<std::size_t>(spool_.remaining() / sizeof(T))));
+            values_.resize(std::min<std::size_t>(max_values, static_cast<std::size_t>(spool_.remaining())));
             spool_.read(std::span(values_));
             at_ = 0;
         }

@@ -2,6 +2,7 @@
 // cells, and in part to reply to other blocks. Then rows are joined in input order.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "core/errors.hpp"
@@ -33,8 +34,7 @@ std::string in_units(std::uint64_t bytes) {
 // Messages between blocks wait in files. Each is read once, in the order of writing.
 void put(Spool& spool, std::uint64_t from, const Message& message) {
     if (message.empty()) return;
-    const std::array<std::uint64_t, 2> head{from, message.size()};
-    spool.append(std::span<const std::uint64_t>(head));
+    spool.append(std::span<const std::uint64_t>(&from, 1));
     spool.append(std::span<const std::byte>(message));
 }
 
@@ -42,11 +42,8 @@ void put(Spool& spool, std::uint64_t from, const Message& message) {
 template <class Task>
 void for_messages(Spool& spool, const Task& task) {
     while (spool.remaining() > 0) {
-        std::array<std::uint64_t, 2> head{};
-        spool.read(std::span<std::uint64_t>(head));
-        Message message(static_cast<std::size_t>(head[1]));
-        spool.read(std::span(message));
-        task(static_cast<std::size_t>(head[0]), message);
+        const auto from = spool.read_piece<std::uint64_t>();
+        task(static_cast<std::size_t>(from[0]), spool.read_piece<std::byte>());
     }
 }
 
@@ -82,13 +79,15 @@ private:
     struct Block {
         Block(TemporaryFile& seeds, const Layout& layout, TemporaryFile& file, TemporaryFile& ids, Spool own)
             : tiles(seeds),
+              tile_of(seeds),
               halos(seeds),
               requests(seeds),
               pending(seeds),
               replies(seeds),
               rows(layout, file, std::move(own)),
               pending_rows(layout, file, Spool(ids)) {}
-        Spool tiles, halos, requests, pending, replies;
+        Spool tiles, tile_of, halos, requests, pending, replies;
+        std::size_t halo_seeds = 0;
         RowStore rows, pending_rows;
     };
 
@@ -98,7 +97,7 @@ private:
         plain.progress = {};
         if (stream_.hull) plain.region.walls = intake_.hull_walls();
         domain_.emplace(std::move(plain), intake_.bounds(), intake_.seeds());
-        const Kind kind{of_blocks().want, is_periodic(), intake_.weighted()};
+        const Kind kind{of_blocks().want, is_periodic(), intake_.weighted(), intake_.singles()};
         count_ = blocks_for(stream_.memory, intake_.seeds(), kind);
         result_.blocks = count_;
         const std::uint64_t needed = bytes_on_disk(intake_.seeds(), count_, kind);
@@ -129,28 +128,45 @@ private:
         }
     }
 
-    // Reads the seeds of a block.
-    [[nodiscard]] Seeds seeds_of(std::size_t b) {
-        const auto all = [](Spool& spool, auto& to) {
+    // Reads the seeds of a block. more: seeds that will be added.
+    [[nodiscard]] Seeds seeds_of(std::size_t b, std::size_t more = 0) {
+        const auto all = [more](Spool& spool, std::size_t each, auto& to) {
+            if (spool.size() == 0) return;
             spool.rewind();
-            to.resize(static_cast<std::size_t>(spool.size() / sizeof(to[0])));
+            to.reserve(static_cast<std::size_t>(spool.size()) + each * more);
+            to.resize(static_cast<std::size_t>(spool.size()));
             spool.read(std::span(to));
         };
         Seeds seeds;
-        all(spools_->ids[b], seeds.ids);
-        all(spools_->points[b], seeds.points);
-        all(spools_->weights[b], seeds.weights);
+        all(spools_->ids[b], 1, seeds.ids);
+        all(spools_->points[b], 3, seeds.points);
+        all(spools_->weights[b], 1, seeds.weights);
         return seeds;
     }
 
-    [[nodiscard]] blocks::TiledSeeds tiles_of(std::size_t b) {
-        blocks::TiledSeeds tiled;
+    // A tile's seeds need no order of their own, so the tile of each seed tells them.
+    void put_tiles(std::size_t b, const blocks::TiledSeeds& tiled) {
+        std::vector<std::uint32_t> tile_of(tiled.order.size());
+        for (std::size_t t = 0; t + 1 < tiled.begin.size(); ++t)
+            for (std::size_t k = tiled.begin[t]; k < tiled.begin[t + 1]; ++k)
+                tile_of[tiled.order[k]] = static_cast<std::uint32_t>(t);
+        blocks_[b].tiles.append(std::span<const blocks::Tile>(tiled.outline.tiles));
+        blocks_[b].tile_of.append(std::span<const std::uint32_t>(tile_of));
+    }
+    [[nodiscard]] blocks::Outline outline_of(std::size_t b) {
         blocks_[b].tiles.rewind();
-        for_messages(blocks_[b].tiles, [&](std::size_t, const Message& message) {
-            std::vector<blocks::Tile> tiles;
-            read_message(message, tiles, tiled.order, tiled.begin);
-            tiled.outline = blocks::outline_of(std::move(tiles));
-        });
+        return blocks::outline_of(blocks_[b].tiles.read_rest<blocks::Tile>());
+    }
+    [[nodiscard]] blocks::TiledSeeds tiles_of(std::size_t b) {
+        blocks::TiledSeeds tiled{outline_of(b), {}, {}};
+        blocks_[b].tile_of.rewind();
+        const auto tile_of = blocks_[b].tile_of.read_rest<std::uint32_t>();
+        std::vector<std::size_t> next(tiled.outline.tiles.size() + 1);
+        for (const std::uint32_t t : tile_of) ++next[t + 1];
+        std::partial_sum(next.begin(), next.end(), next.begin());
+        tiled.begin = next;
+        tiled.order.resize(tile_of.size());
+        for (std::uint32_t i = 0; i < tile_of.size(); ++i) tiled.order[next[tile_of[i]]++] = i;
         return tiled;
     }
 
@@ -161,10 +177,13 @@ private:
             system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
             const blocks::LocalBlock block(of_blocks(), seeds_of(b));
-            const blocks::TiledSeeds& tiled = block.tiled();
-            put(blocks_[b].tiles, b, message_of(tiled.outline.tiles, tiled.order, tiled.begin));
-            for (std::size_t to = 0; to < count_; ++to)
-                if (to != b) put(blocks_[to].halos, b, to_message(block.halo_for(outlines_[to]), block.outline()));
+            put_tiles(b, block.tiled());
+            for (std::size_t to = 0; to < count_; ++to) {
+                if (to == b) continue;
+                const Seeds halo = block.halo_for(outlines_[to]);
+                blocks_[to].halo_seeds += halo.size();
+                put(blocks_[to].halos, b, to_message(halo));
+            }
         }
     }
 
@@ -176,13 +195,14 @@ private:
             stages_.log("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
             Settled part = of_blocks();
             part.progress = stages_.within(b, count_);
-            blocks::LocalBlock block(part, seeds_of(b), tiles_of(b));
+            blocks::LocalBlock block(part, seeds_of(b, blocks_[b].halo_seeds), tiles_of(b));
             std::vector<blocks::Outline> others = outlines_;
             Seeds halo;
             for_messages(blocks_[b].halos, [&](std::size_t from, const Message& message) {
                 Seeds some;
-                blocks::read_halo(message, some, others[from]);
+                read_message(message, some);
                 halo.add(some);
+                others[from] = outline_of(from);
             });
             block.clip(std::move(others), b, std::move(halo));
             const auto count = static_cast<std::size_t>(spools_->counts[b]);
