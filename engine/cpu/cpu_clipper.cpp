@@ -124,8 +124,13 @@ void CpuClipper::gather_weights() {
         }
         if (seeds_.duplicates == 0) duplicate_of.clear();
     }
+    weigh_places();
+}
+
+void CpuClipper::weigh_places() {
+    const auto& weights = job_.domain->weights;
     const std::size_t count = seeds_.size();
-    if (count == 0) return;
+    if (weights.empty() || count == 0) return;
     seeds_.weights.resize(seeds_.places());
     pool_->run(ceil_div(seeds_.places(), index_task), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * index_task; s < std::min(seeds_.places(), (task + 1) * index_task); ++s) {
@@ -350,8 +355,13 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
     pool_->run_stage(blocks, std::cref(task));  // by reference: no allocation
-    clip_hard(out);
-    end_workers(out);
+    if (widen_images()) {
+        end_workers(out);
+        clip_hard_again(out, share);
+    } else {
+        clip_hard(out);
+        end_workers(out);
+    }
     if (fallback) out.count({.fallback_cells = cells.size()});
 }
 

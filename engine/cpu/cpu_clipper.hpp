@@ -96,6 +96,7 @@ private:
     // For jobs that are not full runs.
     void ensure_sorted();
     void gather_weights();
+    void weigh_places();
     void gather_beyond();
     void begin_workers(ResultBuilder& out);
     void end_workers(ResultBuilder& out) const;
@@ -121,6 +122,10 @@ private:
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
     // hard_cells.cpp: cells that the workers gave up.
     void clip_hard(ResultBuilder& out);
+    // Adds farther images to the seeds if searches for them would cost more. Returns whether it did.
+    [[nodiscard]] bool widen_images();
+    // Makes hard cells as others, among wider images.
+    void clip_hard_again(ResultBuilder& out, const Share& share);
     [[nodiscard]] std::vector<std::int32_t> collect_hard();
     bool triangulate();
     template <class Build>

@@ -56,6 +56,25 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
     }
 }
 
+bool CpuClipper::widen_images() {
+    std::size_t hard = 0;
+    for (const auto& worker : workers_) hard += worker->hard.size();
+    if (seeds_.images == nullptr || hard == 0) return false;
+    const double tests = static_cast<double>(hard) * static_cast<double>(SearchBudget::max_tests);
+    if (!images_.widen(tests, *pool_, seeds_)) return false;
+    weigh_places();
+    hierarchy_.build(seeds_, *pool_);
+    return true;
+}
+
+void CpuClipper::clip_hard_again(ResultBuilder& out, const Share& share) {
+    order_ = collect_hard();
+    const std::span<std::int32_t> cells = out.allocate_cells(order_.size());
+    std::ranges::transform(order_, cells.begin(), [&](std::int32_t s) { return row_of(static_cast<std::size_t>(s)); });
+    cut_into_blocks(cells.size());
+    clip_order(cells, false, out, share);
+}
+
 bool CpuClipper::triangulate() {
     if (!delaunay_ && seeds_.weights.empty()) delaunay_.emplace(seeds_);
     if (!delaunay_) {

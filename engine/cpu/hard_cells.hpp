@@ -1,6 +1,8 @@
 // Hard cells, which a search proves only after very many tests. They belong to seeds near a common sphere and on hulls
 // of clusters in a void. Their search is given up. After all other cells it continues with more and more tests
-// (CpuClipper::clip_hard()), or one triangulation of all seeds finds the neighbors, whichever is cheaper.
+// (CpuClipper::clip_hard()), or one triangulation of all seeds finds the neighbors, whichever is cheaper. In a periodic
+// domain they may be hard since they reach images that are not among the seeds, as those of a line of seeds do. Then
+// the cells are first made again among more images.
 #pragma once
 
 #include <algorithm>

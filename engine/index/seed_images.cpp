@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "core/box.hpp"
 #include "core/errors.hpp"
@@ -19,6 +20,8 @@ constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Thin or long boxes would have too many images. Cells search for images beyond the margin.
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
+constexpr double max_wide_images_per_seed = 64, max_wide_images = 0x1p22;
+constexpr double least_widening = 1.25;  // less is not worth another sort
 
 // Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
 double mean_spacing(const std::array<double, 3>& sides, double count) {
@@ -119,7 +122,10 @@ exact::Plane SeedImages::bisector(const Base& seed, std::int32_t home, const exa
 }
 
 exact::Differences SeedImages::position(std::size_t input, const exact::Shift& shift) const {
-    const exact::Point x = point_of(points_, input, scale_);
+    return position(point_of(points_, input, scale_), shift);
+}
+
+exact::Differences SeedImages::position(const exact::Point& x, const exact::Shift& shift) const {
     exact::Differences at;
     bool all = axis_aligned_;
     for (std::size_t k = 0; k < 3 && all; ++k) {
@@ -277,9 +283,11 @@ void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
 }
 
 // Seeds may fill a part of the domain only: a sheet, a wire, a slab. Across its empty rest, images are as far apart.
-void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
+// wide: as far as cells may reach, if there are at most so many images; 0 for a margin as cells mostly need it. Returns
+// false if a wide margin would not be much wider than it is.
+bool SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool, double wide) {
     const auto count = static_cast<double>(std::max<std::size_t>(seeds.size(), 1));
-    const double most = max_images_per_seed * count + max_images_of_few;
+    const double most = wide > 0 ? wide : max_images_per_seed * count + max_images_of_few;
     constexpr Box nowhere{{1, 1, 1}, {0, 0, 0}};
     std::vector<Box> parts(ceil_div(seeds.size(), task_points), nowhere);  // bounds of fractions
     pool.run(parts.size(), [&](std::size_t task, unsigned) {
@@ -298,8 +306,11 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     const double spacings = sheet                    ? wide_margin_spacings
                             : domain_->has_weights() ? weighted_margin_spacings
                                                      : margin_spacings;
-    double margin =
-        std::min(spacings * spacing + distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius);
+    double margin = 2 * domain_->covering_radius;
+    if (wide > 0)
+        empty = {};
+    else
+        margin = std::min(margin, spacings * spacing + distance_of_cells(seeds, domain_->weights));
     const auto images = [&] {
         double cells = 1;
         for (std::size_t j = 0; j < 3; ++j)
@@ -310,6 +321,7 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
         margin *= 0.8;
         for (double& e : empty) e *= 0.8;
     }
+    if (wide > 0 && !(margin > least_widening * min_reach_)) return false;
     double widest = margin;
     for (std::size_t j = 0; j < 3; ++j)
         if (domain_->periodic[j]) widest = std::max(widest, margin + empty[j]);
@@ -329,6 +341,7 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     for (int j = 0; j < 3; ++j)
         if (domain_->periodic[j]) min_reach_ = std::min(min_reach_, (margin_[j] - 4 * error_[j]) * basis_->width[j]);
     min_reach_ = std::max(min_reach_ * (1 - fraction_slack), 0.0);
+    return true;
 }
 
 template <class Visit>
@@ -384,9 +397,20 @@ void SeedImages::sort(const Job& job, std::span<const std::int32_t> order, SeedS
         });
         moves_ = std::move(moves);
     }
-    choose_margin(out, pool);
+    wide_ = false;
+    choose_margin(out, pool, 0);
     append(sorter, pool, out);
     out.images = this;
+}
+
+bool SeedImages::widen(double most, ThreadPool& pool, SortedSeeds& out) {
+    if (std::exchange(wide_, true)) return false;
+    const auto count = static_cast<double>(out.size());
+    most = std::min({most, max_wide_images, max_wide_images_per_seed * count});
+    if (!(most > 0) || !choose_margin(out, pool, most)) return false;
+    SeedSorter sorter;  // the memory of the other one is lent
+    append(sorter, pool, out);
+    return true;
 }
 
 void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
@@ -422,10 +446,12 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     pool.run(found.size(), [&](std::size_t task, unsigned) {
         std::ranges::copy(found[task], unsorted.begin() + begin[task]);
         for (std::size_t i = begin[task]; i < begin[task + 1]; ++i) {
-            const auto input = static_cast<std::size_t>(out.input[static_cast<std::size_t>(unsorted[i].home)]);
+            const auto home = static_cast<std::size_t>(unsorted[i].home),
+                       input = static_cast<std::size_t>(out.input[home]);
             exact::Shift total = unsorted[i].shift;
             for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
-            const auto position = this->position(input, total);
+            // Points that have not been wrapped may be gone.
+            const auto position = wraps_.empty() ? this->position(at(home), total) : this->position(input, total);
             rough[i] = position.exact ? 0 : 1;
             for (int k = 0; k < 3; ++k) {
                 coordinates[3 * i + k] = position.x[k].high;

@@ -24,6 +24,9 @@ public:
     // none.
     void sort(const Job& job, std::span<const std::int32_t> order, SeedSorter& sorter, ThreadPool& pool,
               SortedSeeds& out);
+    // Replaces the images by those of a margin as wide as cells may need, once after a sort, if that are at most so
+    // many. Seeds keep their ids. Returns false if it changed nothing.
+    bool widen(double most, ThreadPool& pool, SortedSeeds& out);
 
     [[nodiscard]] const Domain& domain() const { return *domain_; }
     [[nodiscard]] bool is_image(std::int32_t id) const { return static_cast<std::size_t>(id) >= first_; }
@@ -88,8 +91,9 @@ private:
     [[nodiscard]] bool surely_inside(const exact::Point& x) const;
     void wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool);
     [[nodiscard]] exact::Differences position(std::size_t input, const exact::Shift& shift) const;
+    [[nodiscard]] exact::Differences position(const exact::Point& x, const exact::Shift& shift) const;
     void restore_false_duplicates(SortedSeeds& out) const;
-    void choose_margin(const SortedSeeds& seeds, ThreadPool& pool);
+    bool choose_margin(const SortedSeeds& seeds, ThreadPool& pool, double wide);
     template <class Visit>
     void for_images(const exact::Point& x, Visit visit) const;
     void append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
@@ -100,6 +104,7 @@ private:
     double scale_ = 1;
     const Basis* basis_ = nullptr;    // by which seeds are wrapped
     bool axis_aligned_ = false;       // box vectors are doubles, along x, y and z
+    bool wide_ = false;               // widen() has been called
     std::array<double, 3> margin_{};  // of the box, in fractions
     std::array<double, 3> error_{};   // of fractions
     Buffer<exact::Shift> wraps_;      // by input; empty when no seed is shifted

@@ -40,6 +40,7 @@ private:
     static constexpr double allowed_misses = 0.35;    // searches for a cell
     static constexpr int max_candidates = 160;        // at first; leaves room for others
     static constexpr int enough_candidates = 80;
+    static constexpr int crowded = 192;               // more candidates leave too little room for a search
     static constexpr double near_share = 0.6;         // of the squared reach
     static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer seeds may cancel
     static constexpr int max_picks = 256;             // planes tried for one vertex
@@ -52,6 +53,7 @@ private:
     static constexpr int max_batch = 4;  // blocks tested at once
     static constexpr int max_found = max_batch * box_fan;
     static constexpr std::int16_t no_slot = -1;
+    static constexpr std::int32_t no_plane = std::numeric_limits<std::int32_t>::min();
 
     // Aligned as the compiler expects: Clang forgets a smaller alignment in parameters of templates.
     using Wide __attribute__((vector_size(32), may_alias)) = double;
@@ -210,7 +212,8 @@ private:
     [[nodiscard]] std::array<double, 3> translation(const std::array<int, 3>& shift) const;
     [[nodiscard]] Box seen_from_images(const Box& box, const std::array<double, 3>& by) const;
     template <class Visit>
-    void for_groups(const Box& around, const WeightTilt& tilt, const HeavierTest& test, Visit visit);
+    void for_groups(const Box& around, const std::array<double, 3>& by, const WeightTilt& tilt, const HeavierTest& test,
+                    Visit visit);
     [[nodiscard]] double distance_to_seed(const Box& box, std::size_t seed) const;
     [[nodiscard]] double largest_residual(const WeightTilt& tilt, std::size_t seed) const;
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
@@ -262,6 +265,8 @@ private:
     [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
     [[nodiscard]] int side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x);
     bool add_candidate(std::int32_t id);
+    void forget_candidates();
+    void pad_candidates();
     [[nodiscard]] double covered_by_search(double square) const;
     void find_tilt(std::size_t home, const Box& box);
     [[nodiscard]] double residual(double weight, const exact::Point& x) const;
@@ -375,9 +380,11 @@ private:
     float own_weight_ = 0;  // in the window
     bool empty_ = false;    // the cell
     bool have_candidates_ = false;
-    bool start_failed_ = false;  // the starting edge has no end
-    std::int32_t own_x_ = 0;     // in the window
+    bool start_failed_ = false;       // the starting edge has no end
+    std::int32_t cut_by_ = no_plane;  // cuts off all of the starting edge
+    std::int32_t own_x_ = 0;          // in the window
     CandidatePlanes candidates_;
+    int selected_ = 0;            // candidates up to here are walls and seeds of the window
     int near_walls_end_ = 0;      // candidates up to here are walls
     double walls_within2_ = 0;    // squared security radius of vertices that no other wall of many cuts off
     double covered_ = 0;          // squared security radius of vertices that only candidates cut off

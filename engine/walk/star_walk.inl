@@ -155,6 +155,7 @@ bool StarWalk<Isa>::gather_candidates() {
     if (seeds_.images != nullptr)
         set_image_reach(!weighted_ ? seeds_.images->min_reach() : sure_images_known_ ? 2 * sure_images_ : 0);
     planes_known_ = facings_known_ = 0;
+    selected_ = CandidatePlanes::capacity;
     for (int tries = 0;; ++tries) {
         const double reach = std::sqrt(reach2) * scale;
         set_longest(reach * (1 + 0x1p-20) + quantum);
@@ -176,6 +177,7 @@ bool StarWalk<Isa>::gather_candidates() {
         if (tries == 8 || (weighted_ && tries == 0 && is_buried(p, limits.slack))) return false;
         reach2 *= 0.5;
     }
+    selected_ = candidates_.count;
     if (weighted_) find_longest();
     return true;
 }
@@ -233,12 +235,33 @@ bool StarWalk<Isa>::add_candidate(std::int32_t id) {
     c.nz[i] = static_cast<float>(n.x[2]);
     c.h[i] = static_cast<float>(h);
     c.id[i] = id;
-    if (c.count % 16 == 1)
-        for (int k = c.count; k < c.count + 15; ++k) {
-            c.nx[k] = c.ny[k] = c.nz[k] = 0;
-            c.h[k] = CandidatePlanes::never;
-        }
+    if (c.count % 16 == 1) pad_candidates();
     return true;
+}
+
+// Removes the candidates from beyond the window that are not planes of the cell so far. A search finds them again.
+template <class Isa>
+void StarWalk<Isa>::forget_candidates() {
+    CandidatePlanes& c = candidates_;
+    int to = selected_;
+    for (int i = selected_; i < c.count; ++i) {
+        bool used = false;
+        for (int slot = 0; slot < planes_; ++slot) used |= ((planes_known_ >> slot) & 1) != 0 && id_[slot] == c.id[i];
+        if (!used) continue;
+        for (float* axis : {c.nx, c.ny, c.nz, c.h}) axis[to] = axis[i];
+        c.id[to++] = c.id[i];
+    }
+    c.count = to;
+    pad_candidates();
+}
+
+template <class Isa>
+void StarWalk<Isa>::pad_candidates() {
+    CandidatePlanes& c = candidates_;
+    for (int k = c.count; k < c.count + 16; ++k) {
+        c.nx[k] = c.ny[k] = c.nz[k] = 0;
+        c.h[k] = CandidatePlanes::never;
+    }
 }
 
 template <class Isa>
@@ -808,6 +831,7 @@ bool StarWalk<Isa>::complete() {
         // may close the second.
         while (open_begin_ < open_end_ && !is_open(open_edges_[open_begin_])) ++open_begin_;
         if (open_begin_ == open_end_) break;
+        if (candidates_.count > crowded) forget_candidates();
         OpenEdge edges[2];
         edges[0] = open_edges_[open_begin_++];
         while (open_begin_ < open_end_ && !is_open(open_edges_[open_end_ - 1])) --open_end_;
@@ -840,18 +864,25 @@ void StarWalk<Isa>::adapt_reach(double needed) {
         typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
 }
 
-// Finds the first vertex of a cell that has none. The starting edge may have no end while seeds near it are not
-// candidates.
+// Finds the first vertex of a cell that has none. The starting edge is a guess. It may have no end while seeds near it
+// are not candidates, or a plane that is parallel to it may cut it off, which then takes the place of its second plane.
 template <class Isa>
 template <Star::Keep Kept>
 bool StarWalk<Isa>::find_first() {
     int candidates = 0;
+    OpenEdge edge{};
+    cut_by_ = no_plane;
     for (int tries = 0; tries < max_starts; ++tries) {
         open_begin_ = open_end_ = 0;
         start_failed_ = false;
-        if (!begin_anywhere() || empty_ || candidates_.count == candidates) return false;
+        if (tries > 0 && candidates_.count == candidates && cut_by_ != no_plane) {
+            stack(edge.a, new_slot(cut_by_));
+        } else if (!begin_anywhere() || empty_ || candidates_.count == candidates) {
+            return false;
+        }
         candidates = candidates_.count;
-        const OpenEdge edge = open_edges_[open_begin_++];
+        edge = open_edges_[open_begin_++];
+        cut_by_ = no_plane;
         Ray ray;
         aim(edge, ray);
         if (close<Kept>(edge, ray, -1)) return true;
@@ -993,9 +1024,12 @@ template <Star::Keep Kept>
 bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     Line line;
     if (!draw_line(edge, line)) return false;
-    bool searched = false;
+    bool searched = false, cutting = false;  // cutting: the candidate cuts off the end of the edge so far
     for (int pick = 0; pick < max_picks; ++pick) {
-        if (lane < 0) lane = first_hit(ray);
+        if (lane < 0) {
+            lane = first_hit(ray);
+            cutting = false;
+        }
         if (lane < 0) {
             if (!add_along(line, edge)) return false;
             continue;
@@ -1005,15 +1039,19 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         Third third;
         Four x;
         plane_through(id, third.n, third.h, third.square);
-        if (!solve(line, third, x)) {
-            start_failed_ = true;
-            return false;
-        }
-        const double x2 = dot(wide(x), wide(x));
+        const bool solved = solve(line, third, x);
+        const double x2 = solved ? dot(wide(x), wide(x)) : infinity;
         third.length2 = error_length2(line, third, x2);
         if (!(x2 < longest_normal * longest_normal)) {
+            start_failed_ = true;
+            if (cutting) {
+                cut_by_ = id;
+                return false;
+            }
+            // The planes meet too far away. Walls or seeds cut off the edge before.
             int added = 0;
-            if (!add_wall_before(x, third.length2, false, -wide(line.ab), added) || added == 0) return false;
+            if (solved && !add_wall_before(x, third.length2, false, -wide(line.ab), added)) return false;
+            if (added == 0 && !add_along(line, edge)) return false;
             lane = -1;
             continue;
         }
@@ -1025,11 +1063,9 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         const int touching = Isa::touching(candidates_, count, v, three, 0);
         tied_.clear();
         if (touching >= 0) {
-            const int cutting = examine(v, three, third, x, touching, count);
-            if (cutting >= 0) {
-                lane = cutting;
-                continue;
-            }
+            lane = examine(v, three, third, x, touching, count);
+            cutting = lane >= 0;
+            if (cutting) continue;
         }
         if ((reach2 > covered_ && !searched) || !(reach2 < walls_within2_)) {
             int added = 0;
@@ -1135,11 +1171,13 @@ std::array<double, 3> StarWalk<Isa>::translation(const std::array<int, 3>& shift
     return by;
 }
 
-// Calls visit() for the groups of seeds, as seen from the images by a shift, that pass the test of near_heavier(), or
-// without weights, whose distance is less than the root of `square`. The test may change between calls.
+// Calls visit() for the groups of seeds, as seen from their images by a shift, that pass the test of near_heavier(), or
+// without weights, whose distance is less than the root of `square`, unless all these images are present. by: the
+// shift. The test may change between calls.
 template <class Isa>
 template <class Visit>
-void StarWalk<Isa>::for_groups(const Box& around, const WeightTilt& tilt, const HeavierTest& test, Visit visit) {
+void StarWalk<Isa>::for_groups(const Box& around, const std::array<double, 3>& by, const WeightTilt& tilt,
+                               const HeavierTest& test, Visit visit) {
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
@@ -1150,6 +1188,9 @@ void StarWalk<Isa>::for_groups(const Box& around, const WeightTilt& tilt, const 
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             if (Hierarchy::first_seed(level, child) >= seeds_.size()) break;  // these are images
+            Box images = hierarchy_.box(level, child);
+            for (std::size_t k = 0; k < 3; ++k) images.lower[k] += by[k], images.upper[k] += by[k];
+            if (seeds_.images->are_present(images)) continue;
             if (level > 0)
                 nodes_[nodes++] = {level - 1, child};
             else if (!visit(std::size_t{child} * group_size))
@@ -1185,7 +1226,7 @@ double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
         for (std::size_t k = 0; k < 3; ++k) tilt.origin[k] -= by[k];
         HeavierTest test{length, 0, near};
         bool any = false;
-        for_groups(around, tilt, test, [&](std::size_t begin) {
+        for_groups(around, by, tilt, test, [&](std::size_t begin) {
             for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
                 const double apart = std::max(near, distance_to_seed(around, s)),
                              square = apart * apart * (1 - 8 * unit);
@@ -1250,7 +1291,7 @@ bool StarWalk<Isa>::any_missing_image(const Ball& ball, double length) {
         const Box around = seen_from_images(ball.center, by);
         WeightTilt tilt = own_tilt_;
         for (std::size_t k = 0; k < 3; ++k) tilt.origin[k] -= by[k];
-        for_groups(around, tilt, {ball.off, square, near}, [&](std::size_t begin) {
+        for_groups(around, by, tilt, {ball.off, square, near}, [&](std::size_t begin) {
             for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
                 const double apart = distance_to_seed(around, s);
                 const double most = weighted_ ? std::max(0.0, largest_residual(tilt, s) - tilt.least) : 0;
@@ -1767,8 +1808,15 @@ bool StarWalk<Isa>::add_wall(const Wall& wall) {
     if (!add_candidate(wall.id)) return false;
     CandidatePlanes& c = candidates_;
     const int i = c.near++, last = c.count - 1;  // one of many walls may be as near as seeds of the window
-    for (float* axis : {c.nx, c.ny, c.nz, c.h}) std::swap(axis[i], axis[last]);
-    std::swap(c.id[i], c.id[last]);
+    const auto swap_lanes = [&c](int a, int b) {
+        for (float* axis : {c.nx, c.ny, c.nz, c.h}) std::swap(axis[a], axis[b]);
+        std::swap(c.id[a], c.id[b]);
+    };
+    swap_lanes(i, last);
+    if (last >= selected_) {  // a seed of the window stays one
+        if (i < selected_) swap_lanes(last, selected_);
+        ++selected_;
+    }
     for (int j = 0; j < c.count; ++j) {
         if (j == i || c.id[j] >= 0 || (c.id[j] >= last_of_box && wall.id >= last_of_box)) continue;
         const float apart = std::abs(c.nx[i] - c.nx[j]) + std::abs(c.ny[i] - c.ny[j]) + std::abs(c.nz[i] - c.nz[j]);

@@ -105,6 +105,27 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(t, many).failure == "");
     }
 
+    TEST_CASE("periodic: lines and planes of seeds, turned and rounded, are among wide images") {
+        test::Random random(41);
+        for (const bool plane : {false, true})
+            for (const unsigned mask : {0U, 1U, 2U, 5U})
+                for (const double noise : {1e-16, 1e-9}) {
+                    Coordinates points;
+                    const std::size_t n = test::by_size(120, 40);
+                    for (std::size_t i = 0; i < n; ++i) {
+                        const double u = random.uniform(-0.4, 0.4), v = plane ? random.uniform(-0.3, 0.3) : 0.0;
+                        for (const double at : {0.7 * u + 0.3 * v, 0.5 * u - 0.9 * v, 0.6 * u + 0.2 * v})
+                            points.push_back(0.5 + at + noise * random.uniform(-1, 1));
+                    }
+                    std::array<bool, 3> periodic{};
+                    for (unsigned k = 0; k < 3; ++k) periodic[k] = ((mask >> k) & 1) == 0;
+                    CAPTURE(plane);
+                    CAPTURE(mask);
+                    CAPTURE(noise);
+                    CHECK(test::check_right(points, periodic_options(test::unit_box(), periodic)) == "");
+                }
+    }
+
     TEST_CASE("periodic: the same seed one period on is a duplicate, one bit off it is not") {
         const Coordinates points{0.25, 0.25, 0.25, 1.25, 0.25, 0.25, 0.5, 0.75, 0.5, -1.75, 5.25, 0.25};
         const auto t = votess::tessellate(points, periodic_options());
