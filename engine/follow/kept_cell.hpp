@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "exact/predicate.hpp"
@@ -56,6 +57,13 @@ public:
     [[nodiscard]] static std::size_t bytes(const Head& head) {
         return sizeof(Head) + (head.shifted ? 7u : 4u) * head.faces + 3u * head.corners + 2u * head.tests;
     }
+
+    // For other numbers of seeds. A cell next to a seed that has left becomes tied, and has `no_seed` in its place.
+    static constexpr std::int32_t no_seed = std::numeric_limits<std::int32_t>::min();
+    static std::span<std::int32_t> ids_of(std::byte* record) {
+        return {reinterpret_cast<std::int32_t*>(record + sizeof(Head)), KeptCell(record).faces()};
+    }
+    static void set_tied(std::byte* record) { reinterpret_cast<Head*>(record)->tied = true; }
 
 private:
     [[nodiscard]] const std::int8_t* shifts() const {

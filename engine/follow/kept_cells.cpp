@@ -9,6 +9,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "follow/match_seeds.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -21,7 +22,9 @@ constexpr std::size_t min_tested = 512, min_sample = 32, sample_share = 64, max_
 constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
-constexpr std::size_t max_flips = 256;  // for one cell and those that it changes
+constexpr std::size_t rows_sample = 64;
+constexpr unsigned unmatched_until_record = 16;  // calls
+constexpr std::size_t max_flips = 256;           // for one cell and those that it changes
 
 }  // namespace
 
@@ -79,34 +82,107 @@ void KeptCells::set_frame(const Job& job) {
     frame_.reach_squared = (0.25 * shortest * shortest - heavier) * (1 - 0x1p-20);
 }
 
-// Places of the sample only; wrapped to rounding, which is enough for an estimate.
-KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
+// Wrapped to rounding, which is enough for an estimate.
+SeedPlace KeptCells::place_of(const Job& job, std::size_t row) const {
     const Domain& domain = *job.domain;
-    test_ = sign_tester(instructions);
-    const std::size_t count = job.points.count();
-    if (count != count_ || domain.periodic != periodic_ || !(complete_ || sampled_)) return Plan::record;
-    if (complete_ && made_ > made_until_sort * count_) return Plan::record;
-    set_frame(job);
-    if (!(frame_.reach_squared > 0)) return Plan::none;
-    const auto place = [&](std::size_t s) {
-        const auto i = static_cast<std::size_t>(order_[s]);
-        SeedPlace& at = places_[s];
-        exact::Point x;
-        for (std::size_t k = 0; k < 3; ++k) x[k] = job.points[3 * i + k] * job.scale;
-        const auto fraction = domain.fraction(x);
-        for (std::size_t k = 0; k < 3; ++k) {
-            at.x[k] = x[k];
-            for (std::size_t j = 0; j < 3; ++j) at.x[k] -= frame_.vector[j][k] * std::floor(fraction[j]);
-        }
-        at.weight = frame_.weighted ? domain.weights[i] : 0;
+    exact::Point x;
+    for (std::size_t k = 0; k < 3; ++k) x[k] = job.points[3 * row + k] * job.scale;
+    const auto fraction = domain.fraction(x);
+    SeedPlace at;
+    for (std::size_t k = 0; k < 3; ++k) {
+        at.x[k] = x[k];
+        for (std::size_t j = 0; j < 3; ++j) at.x[k] -= frame_.vector[j][k] * std::floor(fraction[j]);
+    }
+    at.weight = frame_.weighted ? domain.weights[row] : 0;
+    return at;
+}
+
+// Whether some seeds of a sample went farther than their nearest neighbor was, as where rows change places.
+bool KeptCells::rows_change(const Job& job) const {
+    const auto square = [](const std::array<double, 3>& way) {
+        return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
     };
+    std::size_t tested = 0, far = 0;
+    for (std::size_t s = 0; s < count_; s += std::max<std::size_t>(1, count_ / rows_sample)) {
+        const KeptCell cell = this->cell(s);
+        if (!cell.exists()) continue;
+        const double* const before = places_[s].x;
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const std::int32_t id : cell.ids())
+            if (id >= 0)
+                nearest =
+                    std::min(nearest, square(nearest_way(frame_, before, places_[static_cast<std::size_t>(id)].x)));
+        const SeedPlace now = place_of(job, static_cast<std::size_t>(order_[s]));
+        far += square(nearest_way(frame_, before, now.x)) > nearest ? 1 : 0;
+        ++tested;
+    }
+    return 16 * far > tested;
+}
+
+// Renumbers the stored cells for the points of the job. Returns false, and changes nothing, if these are not like the
+// seeds of the last call, or are in the same rows.
+bool KeptCells::match(const Job& job) {
+    const auto matched = match_seeds({cells_, order_, frame_}, job.points.count(), [&](std::size_t row) {
+        const SeedPlace at = place_of(job, row);
+        return std::array{at.x[0], at.x[1], at.x[2]};
+    });
+    if (!matched) return false;
+    complete_ = false;  // until all is renumbered
+    const auto& [order, number] = *matched;
+    std::vector<std::byte*> cells(order.size());
+    Flags always = std::make_unique<std::atomic<std::uint8_t>[]>(order.size());
+    Worker& worker = workers_.front();
+    for (std::size_t s = 0; s < count_; ++s) {
+        if (number[s] < 0) {
+            ++made_;
+            continue;
+        }
+        const auto to = static_cast<std::size_t>(number[s]);
+        always[to].store(always_[s].load(std::memory_order_relaxed), std::memory_order_relaxed);
+        std::byte* const at = cells[to] = cells_[s];
+        if (at == nullptr) continue;
+        bool sorted = true;
+        for (std::int32_t last = KeptCell::no_seed; std::int32_t & id : KeptCell::ids_of(at)) {
+            if (id < 0) continue;
+            id = number[static_cast<std::size_t>(id)];
+            if (id < 0) {
+                id = KeptCell::no_seed;
+                KeptCell::set_tied(at);
+                continue;
+            }
+            sorted &= last <= order[static_cast<std::size_t>(id)];
+            last = order[static_cast<std::size_t>(id)];
+        }
+        if (sorted || KeptCell(at).head().tied) continue;
+        alignas(8) std::byte scratch[LooseCell::most_bytes];
+        worker.loose.read(KeptCell(at));
+        worker.loose.sort_faces(order);
+        const std::size_t room = room_of(at), bytes = worker.loose.pack(to, worker.edges, room, scratch);
+        if (room < bytes) cells[to] = allocate(bytes, worker);
+        std::memcpy(cells[to], scratch, bytes);
+    }
+    made_ += order.size() - static_cast<std::size_t>(std::ranges::count_if(number, [](auto to) { return to >= 0; }));
+    cells_ = std::move(cells);
+    always_ = std::move(always);
+    count_ = order.size();
+    state_ = std::make_unique<std::atomic<std::uint8_t>[]>(count_);
+    order_.resize_uninitialized(count_);
+    std::ranges::copy(order, order_.begin());
+    places_.resize_uninitialized(count_);
+    frame_.places = places_.data();
+    complete_ = true;
+    return true;
+}
+
+bool KeptCells::sample_pays(const Job& job) {
+    const auto place = [&](std::size_t s) { places_[s] = place_of(job, static_cast<std::size_t>(order_[s])); };
     std::size_t tested = 0, wrong = 0, made = 0;
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step =
-        complete_ ? std::min(sample_step_, std::max<std::size_t>(1, count / min_tested)) : sample_step_;
-    for (std::size_t begin = 0; begin < count; begin += sample_block * step)
-        for (std::size_t s = begin; s < std::min(count, begin + sample_block); ++s) {
+        complete_ ? std::min(sample_step_, std::max<std::size_t>(1, count_ / min_tested)) : sample_step_;
+    for (std::size_t begin = 0; begin < count_; begin += sample_block * step)
+        for (std::size_t s = begin; s < std::min(count_, begin + sample_block); ++s) {
             ++tested;
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied) {
@@ -120,7 +196,22 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
         }
     const double expected = max_wrong * static_cast<double>(tested);
     const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (max_wrong / max_made);
-    if (cost > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
+    return cost <= expected + std::sqrt(expected);  // by chance
+}
+
+KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
+    test_ = sign_tester(instructions);
+    if (job.domain->periodic != periodic_ || !(complete_ || sampled_)) return Plan::record;
+    if (complete_ && made_ > made_until_sort * count_) return Plan::record;
+    set_frame(job);
+    if (!(frame_.reach_squared > 0)) return Plan::none;
+    const bool others = job.points.count() != count_;
+    if (complete_ && (others || rows_change(job))) {
+        if (!match(job) && others) return Plan::sample;
+    } else if (others) {
+        return ++unmatched_ % unmatched_until_record == 0 ? Plan::record : Plan::sample;
+    }
+    if (!sample_pays(job)) return Plan::sample;
     return complete_ ? Plan::repair : Plan::record;
 }
 
@@ -133,15 +224,17 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         worker.later.clear();
         worker.unmended.clear();
     }
-    if (plan == Plan::repair) {
-        set_frame(job);
+    const auto for_seeds = [&](const auto& visit) {
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
             for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s) {
-                places_[s] = {{seeds.x[s], seeds.y[s], seeds.z[s]}, frame_.weighted ? seeds.weights[s] : 0};
-                state_[s].store(kept, std::memory_order_relaxed);
+                places_[s] = {{seeds.x[s], seeds.y[s], seeds.z[s]}, seeds.weights.empty() ? 0 : seeds.weights[s]};
+                visit(s);
             }
         });
-        return;
+    };
+    if (plan == Plan::repair) {
+        set_frame(job);
+        return for_seeds([&](std::size_t s) { state_[s].store(kept, std::memory_order_relaxed); });
     }
     if (count_ != seeds.size()) {
         count_ = seeds.size();
@@ -156,12 +249,10 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     places_.resize_uninitialized(count_);
     cells_.assign(count_, nullptr);
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
-    pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
-        for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s) {
-            order_[s] = seeds.input[s];
-            state_[s].store(made, std::memory_order_relaxed);
-            always_[s].store(0, std::memory_order_relaxed);
-        }
+    for_seeds([&](std::size_t s) {
+        order_[s] = seeds.input[s];
+        state_[s].store(made, std::memory_order_relaxed);
+        always_[s].store(0, std::memory_order_relaxed);
     });
 }
 
@@ -294,9 +385,9 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
     for (const KeptCell::Corner& corner : now.corners()) {
         const std::size_t a = old_face[corner[0]], b = old_face[corner[1]], c = old_face[corner[2]];
         bool same = false;
-        if (a != none && b != none && c != none && edges.has(a, b)) {
-            const auto [v, third] = edges.end(a, b);
-            same = third == c;
+        if (a != none && b != none && c != none) {
+            const auto [exists, v, third] = edges.find(a, b);
+            same = exists && third == c;
             if (same) found[v] = true;
         }
         if (!same) mark_around(now, corner);
@@ -363,10 +454,11 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
             ++worker.grown;
         }
         std::memcpy(at, scratch, bytes);
-        if (flip.has_sign(k))
-            worker.wrong.push_back(seed);
-        else if (may_hold(seed))
+        if (flip.has_sign(k)) {
+            if (std::ranges::find(worker.wrong, seed) == worker.wrong.end()) worker.wrong.push_back(seed);
+        } else if (may_hold(seed)) {
             worker.over_point.push_back(seed);
+        }
     }
 }
 
@@ -488,17 +580,6 @@ bool KeptCells::any_equal() const {
             doubtful.push_back({places_[s].x[0], places_[s].x[1], places_[s].x[2]});
     std::ranges::sort(doubtful);
     return std::ranges::adjacent_find(doubtful) != doubtful.end();
-}
-
-std::array<double, 3> KeptCells::way_to_point(const SeedPlace& from) const {
-    std::array<double, 3> way;
-    for (std::size_t k = 0; k < 3; ++k) way[k] = frame_.point[k] - from.x[k];
-    for (std::size_t j = 0; j < 3; ++j) {
-        const double *const s = frame_.short_vector[j], *const d = frame_.dual[j];
-        const double turns = std::round(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]);
-        for (std::size_t k = 0; k < 3; ++k) way[k] -= turns * s[k];
-    }
-    return way;
 }
 
 // Made cells are right, so none of them is over the point if a kept one is and has less power there than all their

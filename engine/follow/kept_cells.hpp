@@ -20,6 +20,9 @@
 // Between equal seeds slopes would not fall, so no two kept cells have equal seeds. A cell with a tie is always
 // pending, and leaves its neighbors pending: only a search finds the other seeds of a tie.
 //
+// Where seeds come or go, those of the last call are found by their places (follow/match_seeds.hpp). A new seed has no
+// cell, and the cells next to one that has left count as tied. So both are pending.
+//
 // Axis-aligned walls bound no region but the box, so corners need no test against other walls. Images are told apart
 // because all corners are nearer to their seeds than half of the least width of a period. So at most one image of a
 // cell is over a place: the one whose way to it is less than half of each short vector, in multiples of these.
@@ -59,7 +62,7 @@ public:
         sample,  // make all cells; afterwards store those of in_sample(), for the plan of the next call
         none,    // make all cells
     };
-    // Looks at a sample of the cells at the new places.
+    // Looks at a sample of the cells at the new places. Matches seeds where some have come or gone.
     [[nodiscard]] Plan plan(const Job& job, std::string_view instructions);
     // Sorted seeds of the last call: indices in the input.
     [[nodiscard]] std::span<const std::int32_t> order() const { return order_; }
@@ -116,6 +119,10 @@ private:
     };
 
     void set_frame(const Job& job);
+    [[nodiscard]] SeedPlace place_of(const Job& job, std::size_t row) const;
+    [[nodiscard]] bool rows_change(const Job& job) const;
+    [[nodiscard]] bool match(const Job& job);
+    [[nodiscard]] bool sample_pays(const Job& job);
     void mark(std::int32_t id) {
         if (id < 0) return;
         std::uint8_t expected = kept;
@@ -131,12 +138,15 @@ private:
     void mark_changes(const KeptCell& before, const KeptCell& now, Worker& worker);
     [[nodiscard]] static std::size_t room_of(const std::byte* record);
     [[nodiscard]] std::byte* allocate(std::size_t bytes, Worker& worker);
-    [[nodiscard]] std::array<double, 3> way_to_point(const SeedPlace& from) const;
+    [[nodiscard]] std::array<double, 3> way_to_point(const SeedPlace& from) const {
+        return nearest_way(frame_, from.x, frame_.point);
+    }
 
     bool complete_ = false, sampled_ = false;  // cells_ has all cells, or those of the sample
     std::size_t count_ = 0, made_ = 0;         // made_: since the sort
     std::array<bool, 3> periodic_{};
     std::size_t sample_step_ = 1;
+    unsigned unmatched_ = 0;  // calls with other numbers of seeds than those of the sample
     Plan plan_ = Plan::record;
     Buffer<std::int32_t> order_;
     std::vector<std::byte*> cells_;  // by sorted seed

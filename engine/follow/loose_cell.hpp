@@ -22,29 +22,27 @@ inline double determinant(const double* a, const double* b, const double* c) {
 // Scratch: the edges of a cell from corner to corner, by ordered pair of planes.
 class CornerEdges {
 public:
+    struct Edge {
+        bool exists;
+        std::uint8_t corner, third;  // the corner that it leaves, and the other plane there; any if it does not exist
+    };
     void begin() {
         if (++now_ == 0) edges_ = {}, now_ = 1;
     }
-    // An edge that leaves the corner, counterclockwise between the planes a and b; third: its other plane. Returns
-    // false if there is one on these planes.
-    bool add(std::size_t a, std::size_t b, std::size_t corner, std::uint8_t third) {
-        Edge& edge = edges_[a][b];
-        const bool first = edge.of != now_;
-        edge = {now_, static_cast<std::uint8_t>(corner), third};
+    // Adds an edge that leaves the corner, counterclockwise between the planes a and b. Returns false if there was one.
+    bool add(std::uint32_t a, std::uint32_t b, std::uint32_t corner, std::uint32_t third) {
+        std::uint32_t& edge = edges_[a * CellShape::max_planes + b];
+        const bool first = edge >> 16 != now_;
+        edge = std::uint32_t{now_} << 16 | corner << 8 | third;
         return first;
     }
-    [[nodiscard]] bool has(std::size_t a, std::size_t b) const { return edges_[a][b].of == now_; }
-    // Returns the corner that has this edge, and its other plane. The edge must exist.
-    [[nodiscard]] std::pair<std::size_t, std::uint8_t> end(std::size_t a, std::size_t b) const {
-        return {edges_[a][b].corner, edges_[a][b].third};
+    [[nodiscard]] Edge find(std::uint32_t a, std::uint32_t b) const {
+        const std::uint32_t edge = edges_[a * CellShape::max_planes + b];
+        return {edge >> 16 == now_, static_cast<std::uint8_t>(edge >> 8), static_cast<std::uint8_t>(edge)};
     }
 
 private:
-    struct Edge {
-        std::uint16_t of;
-        std::uint8_t corner, third;
-    };
-    std::array<std::array<Edge, CellShape::max_planes>, CellShape::max_planes> edges_{};
+    std::array<std::uint32_t, CellShape::max_planes * CellShape::max_planes> edges_{};  // of, corner, third
     std::uint16_t now_ = 0;
 };
 
@@ -63,6 +61,8 @@ struct LooseCell {
     [[nodiscard]] std::size_t find(std::int32_t of, const NearShift& by) const;
     void insert_face(std::size_t at, std::int32_t of, const NearShift& by);
     void remove_face(std::size_t at);
+    // Puts the faces in the order of a row. order: of sorted seeds in rows.
+    void sort_faces(std::span<const std::int32_t> order);
     // Writes a record and returns its size, a multiple of 8. seed: of the cell; a sign belongs to the lowest seed
     // around it. A cell whose corners do not join to a closed surface becomes tied. room: least bytes of the storage.
     std::size_t pack(std::size_t seed, CornerEdges& edges, std::size_t room, std::span<std::byte> to) const;

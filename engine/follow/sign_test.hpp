@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <string_view>
 
 #include "follow/kept_cell.hpp"
@@ -25,6 +27,18 @@ struct SignFrame {
     double reach_squared;  // a corner beyond is wrong
     double point[3];       // see SignTest::may_hold
 };
+
+// Returns the way to a place, or to an image of it about as near as any.
+inline std::array<double, 3> nearest_way(const SignFrame& frame, const double* from, const double* to) {
+    std::array<double, 3> way;
+    for (std::size_t k = 0; k < 3; ++k) way[k] = to[k] - from[k];
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double *const s = frame.short_vector[j], *const d = frame.dual[j];
+        const double turns = std::round(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]);
+        for (std::size_t k = 0; k < 3; ++k) way[k] -= turns * s[k];
+    }
+    return way;
+}
 
 // Scratch and outcome. Margins above 0 are right signs.
 struct alignas(64) SignTest {

@@ -115,6 +115,33 @@ TEST_SUITE("cases") {
         CHECK(m.call() > 0.9);
     }
 
+    TEST_CASE("follow: seeds come and go, and rows change places") {
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            Moving m(test::by_size(2500, 1000));
+            m.options.periodic = {periodic, periodic, periodic};
+            CHECK(m.call() == 0);
+            m.points.erase(m.points.begin() + 300, m.points.begin() + 309);  // three leave
+            m.move(1e-4);
+            CHECK(m.call() > 0.8);
+            for (int c = 0; c < 9; ++c) m.points.insert(m.points.begin() + 600, m.random.uniform());  // three come
+            m.move(1e-4);
+            CHECK(m.call() > 0.8);
+            m.points.erase(m.points.begin(), m.points.begin() + 3);  // one each
+            for (int axis = 0; axis < 3; ++axis) m.points.push_back(m.random.uniform());
+            CHECK(m.call() > 0.8);
+            for (std::size_t i = 1; i < m.points.size() / 3; ++i)
+                std::swap_ranges(&m.points[3 * i], &m.points[3 * i] + 3, &m.points[3 * m.random.below(i)]);
+            m.move(1e-4);
+            CHECK(m.call() > 0.9);
+            m.move(1e-4);
+            CHECK(m.call() > 0.9);
+            m.points.resize(m.points.size() / 2);
+            for (double& x : m.points) x = m.random.uniform();  // others
+            CHECK(m.call() == 0);
+        }
+    }
+
     TEST_CASE("follow: ties are proven at each call") {
         Moving m(1);
         m.points.clear();

@@ -70,7 +70,7 @@ void change(Job& job, const Job& first, Random& random) {
     const double spacing = std::cbrt(sides[0] * sides[1] * sides[2] / static_cast<double>(count));
     const double by = random.chance(0.15) ? 0 : spacing * decades(random, -8, random.chance(0.2) ? 0 : -1.5);
     const auto seed = [&] { return random.below(count); };
-    const auto how = random.below(20);
+    const auto how = random.below(24);
     if (how == 0) {  // one goes anywhere
         const auto i = seed();
         for (std::size_t k = 0; k < 3 && job.box; ++k)
@@ -117,6 +117,31 @@ void change(Job& job, const Job& first, Random& random) {
             if (random.chance(0.05)) {
                 const double at = std::floor(8 * (job.points[c] - job.box->lower[c % 3]) / sides[c % 3]) / 8;
                 job.points[c] = job.box->lower[c % 3] + at * sides[c % 3];
+            }
+    } else if (how == 12) {  // some leave
+        for (auto leave = 1 + random.below(3); leave > 0 && job.size() > 1; --leave) {
+            const auto i = random.below(job.size());
+            job = job.without(i, i + 1);
+        }
+    } else if (how == 13) {  // some come
+        for (auto come = 1 + random.below(3); come > 0; --come) {
+            const auto like = random.below(job.size()),
+                       row = random.chance(0.5) ? job.size() : random.below(job.size());
+            Vector x;
+            for (std::size_t k = 0; k < 3; ++k) x[k] = job.points[3 * like + k] + spacing * random.uniform(-1, 1);
+            job.points.insert(job.points.begin() + static_cast<std::ptrdiff_t>(3 * row), x.begin(), x.end());
+            if (!job.weights.empty())
+                job.weights.insert(job.weights.begin() + static_cast<std::ptrdiff_t>(row), job.weights[like]);
+        }
+    } else if (how == 14) {  // rows change places
+        const auto row = seed();
+        if (random.chance(0.5))
+            std::rotate(job.points.begin(), job.points.begin() + static_cast<std::ptrdiff_t>(3 * row),
+                        job.points.end());
+        else
+            for (std::size_t i = 0; i < row; ++i) {
+                const auto j = seed();
+                std::swap_ranges(&job.points[3 * i], &job.points[3 * i] + 3, &job.points[3 * j]);
             }
     } else {
         for (double& x : job.points) x += by * random.uniform(-1, 1);

@@ -1,0 +1,153 @@
+#include "follow/match_seeds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "follow/kept_cell.hpp"
+
+namespace votess::cpu {
+namespace {
+
+using Place = std::array<double, 3>;
+
+constexpr std::size_t max_sample = 256, seeds_per_box = 4, next_rows = 4;
+constexpr int max_steps = 64;       // from cell to cell
+constexpr double near_share = 256;  // a point is near a seed if all others are 16 times as far
+
+class SeedFinder {
+public:
+    explicit SeedFinder(const KeptSeeds& before) : before_(before), seed_of_(before.rows.size()) {
+        const std::size_t count = seed_of_.size();
+        boxes_ = static_cast<std::size_t>(std::cbrt(static_cast<double>(count) / seeds_per_box)) + 1;
+        Place upper;
+        lower_.fill(std::numeric_limits<double>::infinity());
+        upper.fill(-std::numeric_limits<double>::infinity());
+        for (std::size_t s = 0; s < count; ++s) {
+            seed_of_[static_cast<std::size_t>(before.rows[s])] = static_cast<std::int32_t>(s);
+            for (std::size_t k = 0; k < 3; ++k) {
+                lower_[k] = std::min(lower_[k], before.frame.places[s].x[k]);
+                upper[k] = std::max(upper[k], before.frame.places[s].x[k]);
+            }
+        }
+        for (std::size_t k = 0; k < 3; ++k)
+            per_length_[k] = upper[k] > lower_[k] ? static_cast<double>(boxes_) / (upper[k] - lower_[k]) : 0;
+        some_.assign(boxes_ * boxes_ * boxes_, 0);
+        for (std::size_t s = 0; s < count; ++s) {
+            const double* const x = before.frame.places[s].x;
+            some_[box({x[0], x[1], x[2]})] = static_cast<std::int32_t>(s);
+        }
+    }
+
+    struct Found {
+        std::size_t seed;
+        double away, other;  // squares of the distances of this seed and of the nearest other one that was met
+
+        [[nodiscard]] bool is_near() const { return near_share * away <= other; }
+    };
+    // Looks among the seeds of rows from `row` on.
+    [[nodiscard]] Found in_rows(std::size_t row, const Place& x) const {
+        Found found = nothing;
+        for (std::size_t r = row; r < std::min(row + next_rows, seed_of_.size()); ++r)
+            meet(static_cast<std::size_t>(seed_of_[r]), x, found);
+        return found;
+    }
+    // Walks to nearer cells, from the seed of `from` or one in the box of the place.
+    [[nodiscard]] Found from(Found found, const Place& x) const {
+        meet(static_cast<std::size_t>(some_[box(x)]), x, found);
+        for (int step = 0; step < max_steps; ++step) {
+            const std::size_t at = found.seed;
+            if (before_.cells[at] == nullptr) {
+                if (std::isinf(found.other)) found.other = 0;
+                break;
+            }
+            found = {at, found.away, std::numeric_limits<double>::infinity()};
+            for (const std::int32_t id : KeptCell(before_.cells[at]).ids())
+                if (id >= 0) meet(static_cast<std::size_t>(id), x, found);
+            if (found.seed == at) break;
+        }
+        return found;
+    }
+    static constexpr Found nothing{0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+
+private:
+    [[nodiscard]] std::size_t box(const Place& x) const {
+        std::size_t at = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double share = (x[k] - lower_[k]) * per_length_[k];
+            at = at * boxes_ + std::min(boxes_ - 1, static_cast<std::size_t>(std::max(share, 0.0)));
+        }
+        return at;
+    }
+    void meet(std::size_t seed, const Place& x, Found& found) const {
+        const SeedPlace& place = before_.frame.places[seed];
+        const auto [a, b, c] = nearest_way(before_.frame, place.x, x.data());
+        const double away = a * a + b * b + c * c;
+        if (away < found.away)
+            found = {seed, away, found.away};
+        else if (seed != found.seed)
+            found.other = std::min(found.other, away);
+    }
+
+    const KeptSeeds& before_;
+    std::vector<std::int32_t> seed_of_;  // by row
+    std::size_t boxes_ = 1;              // of a grid, along each axis
+    Place lower_, per_length_;
+    std::vector<std::int32_t> some_;  // seed of each box; the first where there is none
+};
+
+}  // namespace
+
+std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t count,
+                                        const std::function<Place(std::size_t row)>& now) {
+    const SeedFinder finder(before);
+    const std::size_t sample = std::min(count, max_sample);
+    std::size_t near = 0, same = 0;
+    for (std::size_t k = 0; k < sample; ++k) {
+        const std::size_t row = k * count / sample;
+        const SeedFinder::Found found = finder.from(SeedFinder::nothing, now(row));
+        near += found.is_near() ? 1 : 0;
+        same += static_cast<std::size_t>(before.rows[found.seed]) == row ? 1 : 0;
+    }
+    if (8 * near < 7 * sample) return std::nullopt;
+    if (count == before.rows.size() && 16 * (sample - same) < sample) return std::nullopt;
+
+    // The nearest point of each seed is the seed. All others are new.
+    std::vector<std::int32_t> point(before.rows.size(), -1);
+    std::vector<double> away(before.rows.size());
+    struct New {
+        std::size_t beside;
+        std::int32_t row;
+        auto operator<=>(const New&) const = default;
+    };
+    std::vector<New> added;
+    for (std::size_t row = 0, next = 0; row < count; ++row) {
+        const Place x = now(row);
+        SeedFinder::Found found = finder.in_rows(next, x);
+        if (!found.is_near()) found = finder.from(found, x);
+        next = static_cast<std::size_t>(before.rows[found.seed]) + 1;
+        std::int32_t& nearest = point[found.seed];
+        auto farther = static_cast<std::int32_t>(row);
+        if (nearest < 0 || found.away < away[found.seed]) {
+            std::swap(nearest, farther);
+            away[found.seed] = found.away;
+            if (farther < 0) continue;
+        }
+        added.push_back({found.seed, farther});
+    }
+    std::ranges::sort(added);
+    MatchedSeeds matched;
+    matched.order.reserve(count);
+    matched.number.assign(point.size(), -1);
+    auto next = added.begin();
+    for (std::size_t s = 0; s < point.size(); ++s) {
+        if (point[s] >= 0) {
+            matched.number[s] = static_cast<std::int32_t>(matched.order.size());
+            matched.order.push_back(point[s]);
+        }
+        for (; next != added.end() && next->beside == s; ++next) matched.order.push_back(next->row);
+    }
+    return matched;
+}
+
+}  // namespace votess::cpu
