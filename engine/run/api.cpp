@@ -5,7 +5,6 @@
 #include "input/domain_of_result.hpp"
 #include "input/settle.hpp"
 #include "input/settled.hpp"
-#include "input/supports.hpp"
 #include "plane/sheet.hpp"
 #include "result/handle.hpp"
 #include "result/result_pool.hpp"

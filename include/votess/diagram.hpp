@@ -181,8 +181,8 @@ public:
     // a heavier seed. A probe on a seed of less weight has its cell.
     //
     // The cells overlap and share no vertices, and stats().volume_sum is not the volume of the domain. So delaunay(),
-    // verify(), wrapped_points() and render() refuse the result. Throws as locate(); invalid_argument for weights
-    // without a power diagram.
+    // verify() and render() refuse the result; wrapped_points() takes the queries. Throws as locate(); invalid_argument
+    // for weights without a power diagram.
     [[nodiscard]] Tessellation probe(std::span<const double> queries, const ProbeOptions& options = {}) const;
     // Returns natural-neighbor coordinates of the queries, which are as for locate(). Throws as locate();
     // invalid_argument for gradients with `laplace`; `unsupported` where a periodic box has so few seeds that a cell

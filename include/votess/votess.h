@@ -275,8 +275,8 @@ VOTESS_API votess_status votess_diagram_locate(const votess_diagram* diagram, co
                                                int32_t* seeds);
 // Sets *out to a new result of count cells, or NULL after a failure: the cell that each query would have if it alone
 // were added to the seeds, see Diagram::probe in diagram.hpp. want: VOTESS_WANT_* bits. list_walls: as in
-// votess_options. weights: count, only in a power diagram; NULL = 0. votess_delaunay_new, votess_verify and
-// votess_wrapped_points refuse the result with VOTESS_ERROR_INVALID_ARGUMENT.
+// votess_options. weights: count, only in a power diagram; NULL = 0. votess_delaunay_new and votess_verify refuse the
+// result with VOTESS_ERROR_INVALID_ARGUMENT; votess_wrapped_points takes the queries.
 VOTESS_API votess_status votess_diagram_probe(const votess_diagram* diagram, const double* queries, size_t count,
                                               uint32_t want, int32_t list_walls, const double* weights,
                                               votess_result** out);
