@@ -19,6 +19,7 @@ constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Thin or long boxes would have too many images. Cells search for images beyond the margin.
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
+constexpr double max_images_beside = 4;  // for cells beside their seeds
 
 // Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
 double mean_spacing(const std::array<double, 3>& sides, double count) {
@@ -279,7 +280,6 @@ void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
 // Seeds may fill a part of the domain only: a sheet, a wire, a slab. Across its empty rest, images are as far apart.
 void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     const auto count = static_cast<double>(std::max<std::size_t>(seeds.size(), 1));
-    const double most = max_images_per_seed * count + max_images_of_few;
     constexpr Box nowhere{{1, 1, 1}, {0, 0, 0}};
     std::vector<Box> parts(ceil_div(seeds.size(), task_points), nowhere);  // bounds of fractions
     pool.run(parts.size(), [&](std::size_t task, unsigned) {
@@ -298,18 +298,22 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     const double spacings = sheet                    ? wide_margin_spacings
                             : domain_->has_weights() ? weighted_margin_spacings
                                                      : margin_spacings;
-    double margin =
-        std::min(spacings * spacing + distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius);
-    const auto images = [&] {
+    const auto images = [&](double margin) {
         double cells = 1;
         for (std::size_t j = 0; j < 3; ++j)
             cells *= domain_->periodic[j] ? 1 + 2 * (margin + empty[j]) / basis_->width[j] : 1;
         return count * (cells - 1);
     };
-    while (images() > most && margin > 0) {
+    double margin = std::min(spacings * spacing, 2 * domain_->covering_radius);
+    while (images(margin) > max_images_per_seed * count + max_images_of_few && margin > 0) {
         margin *= 0.8;
         for (double& e : empty) e *= 0.8;
     }
+    // Rough weights seem steep, and their cells lie beside their seeds by less.
+    double beside = std::min(distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius - margin);
+    while (beside > 0.1 * margin && images(margin + beside) > max_images_beside * count + max_images_of_few)
+        beside *= 0.8;
+    if (beside > 0.1 * margin) margin += beside;
     double widest = margin;
     for (std::size_t j = 0; j < 3; ++j)
         if (domain_->periodic[j]) widest = std::max(widest, margin + empty[j]);
