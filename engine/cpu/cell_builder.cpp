@@ -22,11 +22,13 @@ constexpr double far_vertex = 0x1p20;            // times the squared distance o
 constexpr std::size_t tests_of_owner = 64;       // of boxes; a seed that owns a place nearly is good enough
 constexpr std::size_t tests_of_unowned = 1024;   // while none is found
 constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
-constexpr double first_band = 0.8;               // of the squared reach expected
-constexpr double smallest_band = 0.01;           // of the squared distance that the window covers
-constexpr double band_growth = 1.6;              // of the squared distance from band to band
-constexpr std::size_t max_idle = 24;             // seeds in a row that do not cut a cell that reaches far beyond them
-constexpr double far_beyond = 16;                // times the squared distance
+constexpr int known_owners_of_hidden = 64;       // the same for owners that are found without a search
+constexpr std::size_t kept_owners = 32;
+constexpr double first_band = 0.8;      // of the squared reach expected
+constexpr double smallest_band = 0.01;  // of the squared distance that the window covers
+constexpr double band_growth = 1.6;     // of the squared distance from band to band
+constexpr std::size_t max_idle = 24;    // seeds in a row that do not cut a cell that reaches far beyond them
+constexpr double far_beyond = 16;       // times the squared distance
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
@@ -94,6 +96,7 @@ void CellBuilder::begin_job(const Domain& domain) {
     more_weight_ = 0;
     heaviest_ = -1;
     own_images_.clear();
+    forget_owners();
     // Not by the hierarchy: cells that are clipped from lists have none.
     if (domain.is_periodic() && !seeds_.weights.empty())
         heaviest_ = static_cast<std::int32_t>(std::ranges::max_element(seeds_.weights) - seeds_.weights.begin());
@@ -163,7 +166,7 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     owner_queue_.assign(1, {-infinity, hierarchy_.top_level(), 0});
     const std::size_t first = tests_;
     while (!owner_queue_.empty() && owner_queue_.front().distance_squared < least &&
-           tests_ - first < (owner < 0 ? tests_of_unowned : tests_of_owner)) {
+           tests_ - first < (owner < 0 ? max_unowned_ : tests_of_owner)) {
         std::pop_heap(owner_queue_.begin(), owner_queue_.end(), farther);
         const QueueEntry entry = owner_queue_.back();
         owner_queue_.pop_back();
@@ -191,6 +194,26 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     return owner;
 }
 
+std::int32_t CellBuilder::known_owner_of(const std::array<double, 3>& x) const {
+    std::int32_t owner = -1;
+    double least = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_;
+    for (const std::int32_t id : owners_) {
+        const auto i = static_cast<std::size_t>(id);
+        const double d[3] = {seeds_.x[i] - at_[0] - x[0], seeds_.y[i] - at_[1] - x[1], seeds_.z[i] - at_[2] - x[2]};
+        const double power = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - (seeds_.weights.empty() ? 0 : seeds_.weights[i]);
+        if (!(power < least) || id == own_ || id == coincident_) continue;
+        least = power;
+        owner = id;
+    }
+    return owner;
+}
+
+void CellBuilder::remember_owner(std::int32_t owner) {
+    if (std::ranges::find(owners_, owner) != owners_.end()) return;
+    if (owners_.size() < kept_owners) return owners_.push_back(owner);
+    owners_[next_owner_++ % kept_owners] = owner;
+}
+
 std::array<double, 3> CellBuilder::way_into_domain() const {
     const bool lifted = seeds_.lift.exists();
     if (domain_->triclinic || (!domain_->walls.empty() && !lifted)) return cell_.middle();
@@ -208,13 +231,27 @@ void CellBuilder::clip_if_hidden(bool beyond) {
     std::array<double, 3> x = beyond || seeds_.lift.exists() ? way_into_domain() : std::array<double, 3>{};
     // The nearest seeds clip a cell that begins among them.
     if (seeds_.weights.empty() && x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < covered_) return;
-    for (int owners = 0; owners < owners_of_hidden; ++owners) {
-        const std::int32_t owner = owner_of(x);
-        if (owner < 0) break;
+    int known = 0;
+    for (int owners = 0; owners < owners_of_hidden;) {
+        std::int32_t owner = known < known_owners_of_hidden ? known_owner_of(x) : -1;
+        const bool searched = owner < 0;
+        if (searched) {
+            owner = owner_of(x);
+            if (owner < 0) break;
+            remember_owner(owner);
+            ++owners;
+        } else {
+            ++known;
+        }
         clipped_by_owner_ = true;
-        clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner]);
-        if (cell_.empty()) return;
-        x = cell_.middle();
+        if (clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner])) {
+            if (cell_.empty()) return;
+            x = cell_.middle();
+        } else if (searched) {
+            break;  // rounding hides who owns the middle
+        } else {
+            known = known_owners_of_hidden;
+        }
     }
     cell_.drop_if_flat();
 }
@@ -370,10 +407,20 @@ void CellBuilder::extend_window(double distance_squared, std::size_t min_count) 
     covered_ = queue_.empty() ? infinity : queue_.front().distance_squared;
 }
 
+// Hidden seeds of a power diagram need no window.
 Cell* CellBuilder::build(std::size_t seed, std::size_t max_tests) {
-    if (max_tests > 0) open_window_of(seed);
+    if (max_tests > 0 && seeds_.weights.empty()) open_window_of(seed);
     set_seed(seed);
     return search(max_tests);
+}
+
+Cell* CellBuilder::build_if_hidden(std::size_t seed) {
+    set_seed(seed);
+    tests_ = 0;
+    max_unowned_ = tests_of_owner;
+    start();
+    clip_if_hidden(false);
+    return cell_.empty() ? &cell_ : nullptr;
 }
 
 Cell& CellBuilder::build(std::size_t seed, std::span<const exact::Plane> guards) {
@@ -410,16 +457,18 @@ Cell& CellBuilder::build(const Probe& probe) {
 Cell* CellBuilder::search(std::size_t max_tests) {
     tests_ = 0;
     max_tests_ = max_tests;
+    max_unowned_ = tests_of_unowned;
     if (max_tests == 0) return nullptr;
     start();
     const bool beyond = !probing_ && seeds_.is_beyond(static_cast<std::size_t>(own_));
     if (!seeds_.weights.empty() || beyond) clip_if_hidden(beyond);
+    if (!cell_.empty() && !probing_) open_window_of(static_cast<std::size_t>(own_));
     const double from = cell_.empty() ? infinity : clip_window();
     clip_walls();
     if (from < infinity) clip_far(from);
     if (seeds_.images != nullptr) clip_far_images();
     if (exhausted()) return nullptr;
-    reach_ = equal_reach_squared() * distance_slack;
+    if (!cell_.empty()) reach_ = equal_reach_squared() * distance_slack;
     return &cell_;
 }
 

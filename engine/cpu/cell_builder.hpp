@@ -46,6 +46,10 @@ public:
     // against its reach.
     Cell* build(std::size_t seed, std::size_t max_tests);
     [[nodiscard]] std::size_t tests() const { return tests_; }
+    // Returns the cell of a seed if few owners of its middle leave it empty, else nullptr. For power diagrams.
+    Cell* build_if_hidden(std::size_t seed);
+    // Forgets the owners that buried the last seeds, so that cells do not depend on other blocks.
+    void forget_owners() { owners_.clear(); }
     // Builds the cell of a seed, clipped by planes first. Guards are relative to the place of the seed as given. Their
     // ids in the cell are places() + 1 and so on.
     Cell& build(std::size_t seed, std::span<const exact::Plane> guards);
@@ -106,6 +110,9 @@ private:
     // Returns a seed or image of less power |x - q|^2 - w than the cell's own seed, mostly the least, or -1. x: from
     // the seed.
     [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& x);
+    // Returns the one of least power among the owners that buried other seeds, or -1.
+    [[nodiscard]] std::int32_t known_owner_of(const std::array<double, 3>& x) const;
+    void remember_owner(std::int32_t owner);
     // Clips a cell that does not hold its seed by the owner of its middle, again and again, until it is empty or holds
     // its middle. So a cell without volume takes few planes, wherever they come from. beyond: the seed lies outside of
     // the domain.
@@ -155,6 +162,9 @@ private:
     std::vector<std::pair<double, std::int32_t>> candidates_;
     std::vector<std::int32_t> neighbors_;
     std::vector<CellPlane> planes_;
+    std::vector<std::int32_t> owners_;       // that buried the last seeds
+    std::size_t next_owner_ = 0;             // the one to forget next
+    std::size_t max_unowned_ = 0;            // tests of boxes for an owner, while none is found
     std::size_t tests_ = 0, max_tests_ = 0;  // of the current seed
     double reach_ = 0;                       // 4 R^2 expected of the next cell
     std::size_t tested_vertices_ = 0;        // since the last check_stop()

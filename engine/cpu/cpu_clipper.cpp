@@ -27,6 +27,7 @@ constexpr std::size_t index_task = 65536;  // entries of the inverse order in a 
 // Cells of a window lie where one slope of the weights puts them, unless the weights follow a steeper paraboloid.
 constexpr double max_walked_curvature = 0.2;
 constexpr std::size_t cells_per_check = 64;  // between calls of check_stop()
+constexpr std::size_t hidden_in_a_row = 2;   // then the next seed probably is, too
 
 }  // namespace
 
@@ -329,6 +330,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         const std::size_t last = seed_at(end - 1) + 1;
         std::size_t stretch_end = 0;
         worker.budget.begin(end - begin);
+        worker.builder.forget_owners();
+        worker.hidden = 0;
         for (std::size_t k = begin; k < end; ++k) {
             if (k % cells_per_check == 0) check_stop();
             if (const std::size_t rows = worker.writer.rows(); rows == CellWriter::few_rows)
@@ -341,11 +344,13 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
+            if (worker.hidden >= hidden_in_a_row && hide(seed, worker)) continue;
             if (!walks || seeds_.is_beyond(seed) || !worker.budget.worth_a_star() || !worker.star->build(seed)) {
                 search(seed, worker);
                 continue;
             }
             worker.budget.star_done();
+            worker.hidden = worker.star->faces().empty() ? worker.hidden + 1 : 0;
             if (worker.writer.write(seed, *worker.star)) {
                 if (!powers_.empty()) powers_[seeds_.input[seed]] = worker.star->power_found();
             } else {
@@ -384,8 +389,20 @@ Cell& CpuClipper::clip_by_faces(std::size_t seed, Worker& worker) const {
                                     : worker.builder.build_from(seed, worker.candidates, worker.shifts);
 }
 
+bool CpuClipper::hide(std::size_t seed, Worker& worker) const {
+    if (Cell* cell = seeds_.is_beyond(seed) ? nullptr : worker.builder.build_if_hidden(seed); cell != nullptr) {
+        finish(cell, seed, worker);
+        return true;
+    }
+    worker.hidden = 0;
+    return false;
+}
+
 void CpuClipper::search(std::size_t seed, Worker& worker) const {
-    Cell* cell = worker.builder.build(seed, worker.budget.tests());
+    const std::size_t tests = worker.budget.tests();
+    const bool hidden_only = tests == 0 && !seeds_.weights.empty() && !seeds_.is_beyond(seed);
+    Cell* cell = hidden_only ? worker.builder.build_if_hidden(seed) : worker.builder.build(seed, tests);
+    worker.hidden = cell != nullptr && cell->empty() ? worker.hidden + 1 : 0;
     worker.budget.searched(worker.builder.tests(), cell != nullptr);
     finish(cell, seed, worker);
 }

@@ -86,6 +86,7 @@ private:
         std::unique_ptr<Star> star;
         CellWriter writer;
         SearchBudget budget;
+        std::size_t hidden = 0;          // seeds without a cell since the last with one
         std::vector<std::int32_t> hard;  // sorted seeds whose search was given up
         std::vector<std::int32_t> candidates;
         std::vector<std::uint8_t> marks;  // of Delaunay::neighbors()
@@ -118,6 +119,8 @@ private:
     void clip_order(std::span<const std::int32_t> cells, bool fallback, ResultBuilder& out, const Share& share);
     Cell& clip_by_faces(std::size_t seed, Worker& worker) const;
     void search(std::size_t seed, Worker& worker) const;
+    // Returns whether the cell is empty for a plain reason, and writes it then.
+    bool hide(std::size_t seed, Worker& worker) const;
     // Writes the cell, or stores that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
     // hard_cells.cpp: cells that the workers gave up.

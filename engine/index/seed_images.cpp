@@ -22,6 +22,7 @@ constexpr double fraction_slack = 1e-9;
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 constexpr double max_wide_images_per_seed = 64, max_wide_images = 0x1p22;
 constexpr double least_widening = 1.25;  // less is not worth another sort
+constexpr double max_images_beside = 4;  // for cells beside their seeds
 
 // Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
 double mean_spacing(const std::array<double, 3>& sides, double count) {
@@ -306,22 +307,30 @@ bool SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool, doubl
     const double spacings = sheet                    ? wide_margin_spacings
                             : domain_->has_weights() ? weighted_margin_spacings
                                                      : margin_spacings;
-    double margin = 2 * domain_->covering_radius;
-    if (wide > 0)
-        empty = {};
-    else
-        margin = std::min(margin, spacings * spacing + distance_of_cells(seeds, domain_->weights));
-    const auto images = [&] {
+    const auto images = [&](double margin) {
         double cells = 1;
         for (std::size_t j = 0; j < 3; ++j)
             cells *= domain_->periodic[j] ? 1 + 2 * (margin + empty[j]) / basis_->width[j] : 1;
         return count * (cells - 1);
     };
-    while (images() > most && margin > 0) {
+    double margin = 2 * domain_->covering_radius;
+    if (wide > 0)
+        empty = {};
+    else
+        margin = std::min(margin, spacings * spacing);
+    while (images(margin) > most && margin > 0) {
         margin *= 0.8;
         for (double& e : empty) e *= 0.8;
     }
-    if (wide > 0 && !(margin > least_widening * min_reach_)) return false;
+    if (wide > 0) {
+        if (!(margin > least_widening * min_reach_)) return false;
+    } else {
+        // Rough weights seem steep, and their cells lie beside their seeds by less.
+        double beside = std::min(distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius - margin);
+        while (beside > 0.1 * margin && images(margin + beside) > max_images_beside * count + max_images_of_few)
+            beside *= 0.8;
+        if (beside > 0.1 * margin) margin += beside;
+    }
     double widest = margin;
     for (std::size_t j = 0; j < 3; ++j)
         if (domain_->periodic[j]) widest = std::max(widest, margin + empty[j]);

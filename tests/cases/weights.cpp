@@ -175,6 +175,40 @@ TEST_SUITE("cases") {
         }
     }
 
+    // |y - q|^2 - w is y.y - 2 y.q + (T q)^2 for w = |q|^2 - |T q|^2, so y = T z is nearest to q where z is to T q.
+    TEST_CASE("weights: those that bend along the axes give the Voronoi diagram of mapped seeds") {
+        test::Random random(12);
+        const std::size_t n = test::by_size(6000, 2000);
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            Coordinates points(3 * n), mapped;
+            // Without rounding, and inside of both boxes.
+            for (std::size_t i = 0; i < points.size(); ++i)
+                points[i] = std::ldexp(static_cast<double>(random.below(1 << 20)) - (1 << 19), i % 3 == 2 ? -20 : -21);
+            constexpr std::array<double, 3> map{0.5, 1.5, 1};
+            std::vector<double> weights;
+            for (std::size_t i = 0; i < points.size(); i += 3) {
+                weights.push_back(7);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double x = points[i + k];
+                    mapped.push_back(map[k] * x);
+                    weights.back() += (1 - map[k] * map[k]) * x * x;
+                }
+            }
+            Options plain, weighted;
+            plain.list_walls = weighted.list_walls = true;
+            plain.box = votess::Box{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
+            weighted.box = votess::Box{{-0.25, -0.75, -0.5}, {0.25, 0.75, 0.5}};
+            plain.periodic = weighted.periodic = {false, false, periodic};  // the weights are even along z
+            weighted.weights = weights;
+            const auto expected = votess::tessellate(mapped, plain), found = votess::tessellate(points, weighted);
+            CHECK(std::ranges::equal(found.indptr(), expected.indptr()));
+            CHECK(std::ranges::equal(found.indices(), expected.indices()));
+            for (std::size_t i = 0; i < n; ++i)
+                REQUIRE(std::abs(found.volumes()[i] / (0.75 * expected.volumes()[i]) - 1) < 1e-8);
+        }
+    }
+
     // 8 seconds when searches went by the heaviest weight of the domain.
     TEST_CASE("weights: waves in a periodic box") {
         test::Random random(9);

@@ -86,6 +86,22 @@ TEST_SUITE("stages") {
         CHECK(tests.mean < 400);
     }
 
+    TEST_CASE("hidden cells: owners that buried the last seeds bury the next ones, almost without a search") {
+        const std::size_t count = test::by_size(8000, 2000);
+        test::Random random(6);
+        const Tests rough = search_all(uniform(count), [&](std::size_t, const auto&) { return random.uniform(); });
+        CHECK(static_cast<double>(rough.empty) > 0.9 * static_cast<double>(count));
+        CHECK(rough.mean < 40);
+        // All planes pass through the middle.
+        const Tests tied = search_all(uniform(count), [](std::size_t, const std::array<double, 3>& x) {
+            double square = 0;
+            for (const double at : x) square += (at - 0.5) * (at - 0.5);
+            return square;
+        });
+        CHECK(static_cast<double>(tied.empty) > 0.9 * static_cast<double>(count));
+        CHECK(tied.mean < 100);
+    }
+
     TEST_CASE("long cells: seeds on a line do not test all others") {
         for (const std::size_t count : {std::size_t{500}, test::by_size(8000, 2000)}) {
             test::Coordinates points = uniform(count);
