@@ -335,7 +335,7 @@ TEST_CASE("stream: pieces and memory of any size, and seeds that come once, give
 }
 
 TEST_CASE("stream: coordinates that float32 holds take half the room, and runs without rows make none") {
-    PointSet set = test::uniform(4000, 5);
+    PointSet set = test::uniform(3000, 5);
     votess::Options options = stream_options(set);
     options.want = {};
     options.want.neighbors = false;
@@ -344,7 +344,7 @@ TEST_CASE("stream: coordinates that float32 holds take half the room, and runs w
         const auto whole = votess::tessellate(set.points, options);
         const test::Streamed found = test::streamed(set.points, options, little);
         CHECK(test::difference(found, whole) == "");
-        CHECK(found.result.blocks > 2);
+        CHECK(found.result.blocks > 1);
         CHECK(found.result.asked_cells > 0);
         return static_cast<double>(found.result.temporary_bytes) / static_cast<double>(set.size());
     };
