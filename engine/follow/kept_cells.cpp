@@ -454,11 +454,10 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
             ++worker.grown;
         }
         std::memcpy(at, scratch, bytes);
-        if (flip.has_sign(k)) {
-            if (std::ranges::find(worker.wrong, seed) == worker.wrong.end()) worker.wrong.push_back(seed);
-        } else if (may_hold(seed)) {
+        if (flip.has_sign(k))
+            worker.wrong.push_back(seed);
+        else if (may_hold(seed))
             worker.over_point.push_back(seed);
-        }
     }
 }
 

@@ -72,57 +72,50 @@ std::size_t LooseCell::pack(std::size_t seed, CornerEdges& edges, std::size_t ro
         later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed) ? 1 : 0;
         head.shifted |= shift[f] != NearShift{};
     }
-    // A closed surface has each edge once in either direction. Of such pairs an edge is tested if it is this cell's.
-    // What decides is added up instead of branched on: no processor predicts it.
+    // A closed surface has each edge once in either direction.
+    bool closed = corners + 4 == 2 * faces;  // Euler
     edges.begin();
-    std::array<std::uint8_t, 3 * CellShape::max_corners> is_own;  // by corner and place of an edge there
-    bool once = true;
-    std::size_t pairs = 0;
-    for (std::size_t v = 0; v < corners; ++v) {
-        const auto add = [&](std::uint8_t a, std::uint8_t b, std::uint8_t end, std::size_t k) {
-            once &= edges.add(a, b, static_cast<std::uint32_t>(v), end);
-            const bool exists = edges.find(b, a).exists;
-            is_own[3 * v + k] = exists & later[a] & later[b];
-            pairs += exists;
-        };
-        const auto [a, b, c] = corner[v];
-        add(a, b, c, 0);
-        add(b, c, a, 1);
-        add(c, a, b, 2);
-    }
-    std::array<std::uint16_t, 3 * CellShape::max_corners> own;
-    std::size_t tests = 0;
-    for (std::size_t e = 0; e < 3 * corners; ++e) {
-        own[tests] = static_cast<std::uint16_t>(e);
-        tests += is_own[e];
-    }
-    if (tied || !once || 2 * pairs != 3 * corners || corners + 4 != 2 * faces) {  // Euler
-        head.tied = true;
-        tests = 0;
-    }
-    std::array<std::uint8_t, CellShape::max_corners> is_used, order, number;
     for (std::size_t v = 0; v < corners; ++v) {
         const auto [a, b, c] = corner[v];
-        is_used[v] = later[a] & later[b] & later[c];
+        closed &= edges.add(a, b, static_cast<std::uint32_t>(v), c) &&
+                  edges.add(b, c, static_cast<std::uint32_t>(v), a) &&
+                  edges.add(c, a, static_cast<std::uint32_t>(v), b);
     }
-    std::array<KeptCell::Test, SignTest::max_tests> test;
-    for (std::size_t t = 0; t < tests; ++t) {
-        const std::size_t v = own[t] / 3, k = own[t] % 3;
-        const KeptCell::Corner& at = corner[v];
-        const CornerEdges::Edge other = edges.find(at[(k + 1) % 3], at[k]);
-        // From either end; the corner that is used anyway.
-        const bool there = is_used[v] < is_used[other.corner];
-        test[t] = {there ? other.corner : static_cast<std::uint8_t>(v), there ? at[(k + 2) % 3] : other.third};
-        is_used[test[t].corner] = 1;
+    for (std::size_t v = 0; v < corners; ++v) {
+        const auto [a, b, c] = corner[v];
+        closed &= edges.find(b, a).exists & edges.find(c, b).exists & edges.find(a, c).exists;
     }
-    std::size_t used = 0;
+    head.tied |= !closed;
+    constexpr std::uint8_t unused = 255;
+    std::array<std::uint8_t, CellShape::max_corners> number;  // among the used ones
+    std::array<std::uint8_t, CellShape::max_corners> order;
+    std::fill_n(number.begin(), corners, unused);
+    std::size_t used = 0, tests = 0;
+    const auto use = [&](std::size_t v) {
+        if (number[v] == unused) order[number[v] = static_cast<std::uint8_t>(used++)] = static_cast<std::uint8_t>(v);
+        return number[v];
+    };
     for (std::size_t v = 0; v < corners; ++v)
-        if (is_used[v] != 0) order[number[v] = static_cast<std::uint8_t>(used++)] = static_cast<std::uint8_t>(v);
-    for (std::size_t v = 0, next = used; v < corners; ++v)
-        if (is_used[v] == 0) order[next++] = static_cast<std::uint8_t>(v);
-    for (std::size_t t = 0; t < tests; ++t) test[t].corner = number[test[t].corner];
+        if (const auto& [a, b, c] = corner[v]; (later[a] & later[b] & later[c]) != 0) use(v);
+    std::array<KeptCell::Test, SignTest::max_tests> test;
+    for (std::size_t v = 0; v < corners && !head.tied; ++v) {
+        const KeptCell::Corner& at = corner[v];
+        if (later[at[0]] + later[at[1]] + later[at[2]] < 2) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint8_t a = at[k], b = at[(k + 1) % 3];
+            if ((later[a] & later[b]) == 0) continue;
+            const auto [exists, w, third] = edges.find(b, a);
+            if (!exists || w < v) continue;
+            // From either end; the corner that is used anyway.
+            const std::uint8_t end = at[(k + 2) % 3];
+            test[tests++] = number[v] == unused && number[w] != unused ? KeptCell::Test{use(w), end}
+                                                                       : KeptCell::Test{use(v), third};
+        }
+    }
     head.used = static_cast<std::uint8_t>(used);
     head.tests = static_cast<std::uint8_t>(tests);
+    for (std::size_t v = 0, next = used; v < corners; ++v)
+        if (number[v] == unused) order[next++] = static_cast<std::uint8_t>(v);
 
     const std::size_t bytes = round_up(KeptCell::bytes(head), 8);
     head.room = static_cast<std::uint16_t>(std::max(room, bytes) / 8);
