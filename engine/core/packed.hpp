@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "votess/export.hpp"
+
 namespace votess {
 
 // Comes before the bytes of packed values.
@@ -27,14 +29,14 @@ struct PackedHead {
     // Whether the bytes are the values.
     [[nodiscard]] bool is_plain() const { return form == Form::bytes && width == each; }
     // Whether packing can have made it.
-    [[nodiscard]] bool is_valid() const;
+    [[nodiscard]] VOTESS_API bool is_valid() const;
 };
 static_assert(std::has_unique_object_representations_v<PackedHead>);
 
 // Replaces `bytes` by the packed values, in the shortest form. If that is plain, `bytes` is not used.
 template <class T>
-PackedHead pack_integers(std::span<const T> values, std::vector<std::byte>& bytes);
-PackedHead pack_reals(std::span<const double> values, std::vector<std::byte>& bytes);
+VOTESS_API PackedHead pack_integers(std::span<const T> values, std::vector<std::byte>& bytes);
+VOTESS_API PackedHead pack_reals(std::span<const double> values, std::vector<std::byte>& bytes);
 
 template <class T>
 PackedHead pack(std::span<const T> values, std::vector<std::byte>& bytes) {
@@ -66,7 +68,7 @@ public:
     struct Done {
         std::size_t used, written;
     };
-    Done unpack(std::span<const std::byte> from, std::span<std::byte> to);
+    VOTESS_API Done unpack(std::span<const std::byte> from, std::span<std::byte> to);
     // Skips whole values that are plain.
     void skip(std::size_t bytes) {
         bytes_ -= bytes;

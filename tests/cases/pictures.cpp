@@ -124,10 +124,10 @@ TEST_SUITE("cases") {
                 const auto& corners = polygon.corners;
                 for (std::size_t k = 0; k < corners.size(); ++k) {
                     const auto side_of = corners[(k + 1) % corners.size()] - corners[k];
-                    around += std::sqrt(votess::picture::dot(side_of, side_of));
+                    around += std::sqrt(votess::dot(side_of, side_of));
                     if (k < 2) continue;
-                    const auto twice = votess::picture::cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
-                    area += 0.5 * std::sqrt(votess::picture::dot(twice, twice));
+                    const auto twice = votess::cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
+                    area += 0.5 * std::sqrt(votess::dot(twice, twice));
                 }
                 const votess::picture::Color c = votess::picture::map_color(options.colormap, values[i] / 23);
                 const std::size_t found = count(picture, [&](const Pixel& p) {

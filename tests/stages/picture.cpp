@@ -18,7 +18,9 @@
 namespace {
 
 using namespace votess::picture;
+using votess::cross;
 using votess::Cut;
+using votess::dot;
 using votess::PictureOptions;
 using votess::Tessellation;
 
