@@ -272,7 +272,7 @@ TEST_SUITE("query") {
             }
         }
         CHECK(buried >= wanted / 40);
-        CHECK(at_walls > wanted / 4);
+        CHECK(at_walls > wanted / 5);
         CHECK(periodic > wanted / 20);
     }
 
