@@ -12,7 +12,7 @@
 namespace votess {
 
 // Comes before the bytes of packed values.
-struct PackedHead {
+struct VOTESS_API PackedHead {
     enum class Form : std::uint8_t {
         bytes,    // integers less `first`, in `width` bytes each; or any values as they are, width = each
         steps,    // ascending integers: the step from the one before, at first from `first`, seven bits a byte
@@ -29,7 +29,7 @@ struct PackedHead {
     // Whether the bytes are the values.
     [[nodiscard]] bool is_plain() const { return form == Form::bytes && width == each; }
     // Whether packing can have made it.
-    [[nodiscard]] VOTESS_API bool is_valid() const;
+    [[nodiscard]] bool is_valid() const;
 };
 static_assert(std::has_unique_object_representations_v<PackedHead>);
 
@@ -54,7 +54,7 @@ PackedHead pack(std::span<const T> values, std::vector<std::byte>& bytes) {
 }
 
 // Unpacks values front to back.
-class Unpacker {
+class VOTESS_API Unpacker {
 public:
     Unpacker() = default;
     // head: valid.
@@ -68,7 +68,7 @@ public:
     struct Done {
         std::size_t used, written;
     };
-    VOTESS_API Done unpack(std::span<const std::byte> from, std::span<std::byte> to);
+    Done unpack(std::span<const std::byte> from, std::span<std::byte> to);
     // Skips whole values that are plain.
     void skip(std::size_t bytes) {
         bytes_ -= bytes;

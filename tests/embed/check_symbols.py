@@ -49,7 +49,7 @@ def main():
             exported.add(name)
             continue
         # votess::vulkan::Plan::frame(...) belongs to Plan, votess::devices() to devices.
-        match = re.match(r"^votess::(?:(?:vulkan|c)::)?(\w+)", PREFIX.sub("", name))
+        match = re.match(r"^votess::(?:(?:vulkan|c|blocks)::)?(\w+)", PREFIX.sub("", name))
         if match and match[1] in cpp_names:
             exported.add(match[1])
         else:
