@@ -74,8 +74,9 @@ private:
     [[nodiscard]] std::size_t box(const Place& x) const {
         std::size_t at = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double share = (x[k] - lower_[k]) * per_length_[k];
-            at = at * boxes_ + std::min(boxes_ - 1, static_cast<std::size_t>(std::max(share, 0.0)));
+            const double share = (x[k] - lower_[k]) * per_length_[k];  // not finite in the smallest boxes
+            at = at * boxes_ +
+                 (share > 0 ? static_cast<std::size_t>(std::min(share, static_cast<double>(boxes_ - 1))) : 0);
         }
         return at;
     }
