@@ -11,7 +11,7 @@ namespace {
 
 using Place = std::array<double, 3>;
 
-constexpr std::size_t max_sample = 256, seeds_per_box = 4, next_rows = 4;
+constexpr std::size_t max_tried = 256, seeds_per_box = 4, next_rows = 4;
 constexpr int max_steps = 64;       // from cell to cell
 constexpr double near_share = 256;  // a point is near a seed if all others are 16 times as far
 
@@ -102,7 +102,7 @@ private:
 std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t count,
                                         const std::function<Place(std::size_t row)>& now) {
     const SeedFinder finder(before);
-    const std::size_t sample = std::min(count, max_sample);
+    const std::size_t sample = std::min(count, max_tried);
     std::size_t near = 0, same = 0;
     for (std::size_t k = 0; k < sample; ++k) {
         const std::size_t row = k * count / sample;
