@@ -50,9 +50,9 @@ protected:
     explicit CarrierOfSeeds(const Task& task) : task_(task) {}
 
     const Task& task_;
-    // Of the body loaded last.
+    // The seed of the body loaded last, and its volume in grid cells.
     std::size_t seed_ = 0;
-    double volume_ = 0;  // in grid cells
+    double volume_ = 0;
 };
 
 class Cells final : public CarrierOfSeeds {

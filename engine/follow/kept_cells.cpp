@@ -154,7 +154,7 @@ bool KeptCells::match(const Job& job) {
             last = order[static_cast<std::size_t>(id)];
         }
         if (sorted || KeptCell(at).head().tied) continue;
-        alignas(8) std::byte scratch[LooseCell::most_bytes];
+        alignas(8) std::byte scratch[LooseCell::max_bytes];
         worker.loose.read(KeptCell(at));
         worker.loose.sort_faces(order);
         const std::size_t room = room_of(at), bytes = worker.loose.pack(to, worker.edges, room, scratch);
@@ -302,7 +302,7 @@ void KeptCells::store(unsigned index, std::size_t seed, std::span<const std::int
         if (turned) std::swap(b, c);
         loose.corner[v] = {a, b, c};
     }
-    alignas(8) std::byte scratch[LooseCell::most_bytes];
+    alignas(8) std::byte scratch[LooseCell::max_bytes];
     std::byte*& at = cells_[seed];
     const std::size_t room = room_of(at), bytes = loose.pack(seed, worker.edges, room, scratch);
     const bool now_tied = KeptCell(scratch).head().tied;
@@ -441,7 +441,7 @@ bool KeptCells::check(std::size_t seed, Range range, Worker& worker) {
 }
 
 void KeptCells::flip(const Flip& flip, Worker& worker) {
-    alignas(8) std::byte scratch[LooseCell::most_bytes];
+    alignas(8) std::byte scratch[LooseCell::max_bytes];
     for (std::size_t k = 0; k < flip.id.size(); ++k) {
         if (flip.id[k] < 0) continue;
         const auto seed = static_cast<std::size_t>(flip.id[k]);

@@ -47,7 +47,7 @@ private:
 };
 
 struct LooseCell {
-    static constexpr std::size_t most_bytes =
+    static constexpr std::size_t max_bytes =
         sizeof(KeptCell::Head) + 7 * CellShape::max_planes + 3 * CellShape::max_corners + 2 * SignTest::max_tests + 8;
 
     std::size_t faces = 0, corners = 0;

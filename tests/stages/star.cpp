@@ -17,7 +17,7 @@ using namespace votess::cpu;
 
 namespace {
 
-constexpr std::size_t most_seeds = 16384;  // of a stretch
+constexpr std::size_t max_seeds = 16384;  // of a stretch
 
 struct ExpectedCell {
     std::vector<std::pair<std::int32_t, double>> faces;  // ids ascending, areas
@@ -131,7 +131,7 @@ Rates check(const Sorted& sorted, const std::vector<ExpectedCell>& cells, std::s
     for (std::size_t k = 0, last = 0; k < chosen.size(); ++k) {
         if (k % length == 0 || chosen[k] >= last) {
             const std::size_t first = chosen[k] / Star::alignment * Star::alignment;
-            last = std::min(chosen[std::min(chosen.size(), k + length) - 1] + 1, first + most_seeds);
+            last = std::min(chosen[std::min(chosen.size(), k + length) - 1] + 1, first + max_seeds);
             star->begin(first, last, keep);
         }
         if (!star->build(chosen[k])) continue;
@@ -249,10 +249,10 @@ TEST_SUITE("stages") {
                 check(sorted, cells, some, some.size(), *kernels);
             }
         }
-        const Sorted more(test::uniform(most_seeds + 500, 20));
+        const Sorted more(test::uniform(max_seeds + 500, 20));
         const auto cells = more.clip();
         for (const Kernels* kernels : supported_kernels())
-            for (const std::size_t length : {most_seeds, most_seeds - 1, std::size_t{1000}})
+            for (const std::size_t length : {max_seeds, max_seeds - 1, std::size_t{1000}})
                 CHECK(check(more, cells, all_of(more), length, *kernels).built >= 0.999);
     }
 
@@ -267,7 +267,7 @@ TEST_SUITE("stages") {
             REQUIRE(cells[center].faces.size() == n);
             for (const Kernels* kernels : supported_kernels()) {
                 INFO(std::string(kernels->name));
-                check(sorted, cells, all_of(sorted), most_seeds, *kernels);
+                check(sorted, cells, all_of(sorted), max_seeds, *kernels);
                 // Alone, and with others in front that hand it vertices.
                 for (const std::size_t begin : {center, center / 2, std::size_t{0}}) {
                     const auto star = make_star(kernels->name, sorted.seeds, sorted.hierarchy);

@@ -93,7 +93,7 @@ void Run::clip(const Settled& whole, std::size_t first) {
     const bool lists = job.want.neighbors;
     {
         const Stoppable stoppable(progress);
-        if (lists) clipper.sort();  // prepare() would release what is lent to the rows
+        if (lists) clipper.sort();  // without it prepare() would release memory that the rows borrow
         clipper.prepare();
     }
     Job of_first = job;

@@ -144,7 +144,7 @@ private:
         return seeds;
     }
 
-    // A tile's seeds need no order of their own, so the tile of each seed tells them.
+    // Stores the tile of each seed. The order of the seeds within a tile does not matter.
     void put_tiles(std::size_t b, const blocks::TiledSeeds& tiled) {
         std::vector<std::uint32_t> tile_of(tiled.order.size());
         for (std::size_t t = 0; t + 1 < tiled.begin.size(); ++t)
