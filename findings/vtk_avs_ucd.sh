@@ -35,7 +35,7 @@ stated = {"hexahedron": -1, "tetra": -1 / 6, "pyramid": 1 / 3}
 
 
 def by_hand(name):
-    """Writes the file after AVS's manual, without a library."""
+    """Writes the file in the order of AVS's sample, without a library."""
     points = shapes[name]
     rows = [f"{len(points)} 1 0 0 0"]
     rows += [f"{i} {x} {y} {z}" for i, (x, y, z) in enumerate(points, 1)]

@@ -179,6 +179,7 @@ votess_mesh mesh_of(const votess_mesh* mesh) {
     require(mesh, "mesh");
     return read_struct(*mesh, "mesh.struct_size", "give sizeof(votess_mesh)", first_mesh_size);
 }
+
 }  // namespace
 
 files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::size_t dimensions) {

@@ -146,6 +146,7 @@ void write_struct(Struct from, Struct& to) {
     from.struct_size = to.struct_size;
     std::memcpy(&to, &from, std::min<std::size_t>(to.struct_size, sizeof from));
 }
+
 // bits: VOTESS_WANT_*. name: for messages.
 [[nodiscard]] Want convert_want(std::uint32_t bits, const std::string& name);
 // given: NULL for the defaults. count: length of weights and radii.
