@@ -2,7 +2,6 @@
 #include "votess/groups.hpp"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -21,6 +20,7 @@ std::size_t index_of(std::int32_t number) {
 }
 
 struct Contact {
+    std::int32_t other = 0;  // group, or wall if negative
     std::int64_t count = 0;
     double area = 0;
 };
@@ -58,39 +58,67 @@ Groups groups(const Tessellation& t, std::span<const std::int64_t> labels) {
     for (const std::int32_t g : group) ++out.member_indptr[index_of(g) + 1];
     std::partial_sum(out.member_indptr.begin(), out.member_indptr.end(), out.member_indptr.begin());
 
-    // Both groups get the sum over the rows of the lower one, so that their areas are equal.
+    // Of each group: its contacts with walls and with groups of larger numbers. The latter get the same sums.
     const std::span<const double> areas = t.face_areas();
-    std::vector<std::map<std::int32_t, Contact>> contacts(out.size());
+    std::vector<Contact> contacts;
+    std::vector<std::size_t> offsets{0};
+    std::vector<std::int64_t> walls(out.size()), lower(out.size());
     std::vector<double> within(out.size());  // areas of faces between cells of the same group
-    for (std::size_t m = 0; m < out.members.size(); ++m) {
-        if (m % rows_per_stop == 0) check_stop();
-        const std::size_t i = index_of(out.members[m]);
-        const std::int32_t own = group[i];
-        for (auto k = static_cast<std::size_t>(t.indptr()[i]); k < static_cast<std::size_t>(t.indptr()[i + 1]); ++k) {
-            const std::int32_t neighbor = t.indices()[k];
-            const std::int32_t other = neighbor < 0 ? neighbor : group[index_of(neighbor)];
-            if (other == own) {
-                if (!areas.empty()) within[index_of(own)] += areas[k];
+    std::vector<Contact> faces;
+    for (std::size_t g = 0; g < out.size(); ++g) {
+        const auto own = static_cast<std::int32_t>(g);
+        faces.clear();
+        for (auto m = out.member_indptr[g]; m < out.member_indptr[g + 1]; ++m) {
+            if (m % rows_per_stop == 0) check_stop();
+            const std::size_t i = index_of(out.members[static_cast<std::size_t>(m)]);
+            for (auto k = static_cast<std::size_t>(t.indptr()[i]); k < static_cast<std::size_t>(t.indptr()[i + 1]);
+                 ++k) {
+                const std::int32_t neighbor = t.indices()[k];
+                const std::int32_t other = neighbor < 0 ? neighbor : group[index_of(neighbor)];
+                const double area = areas.empty() ? 0 : areas[k];
+                if (other == own) within[g] += area;
+                if (other < 0 || other > own) faces.push_back({other, 1, area});
+            }
+        }
+        std::ranges::stable_sort(faces, {}, &Contact::other);
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+            if (k > 0 && faces[k].other == faces[k - 1].other) {
+                ++contacts.back().count;
+                contacts.back().area += faces[k].area;
                 continue;
             }
-            if (other >= 0 && other < own) continue;
-            Contact& contact = contacts[index_of(own)][other];
-            ++contact.count;
-            if (!areas.empty()) contact.area += areas[k];
+            contacts.push_back(faces[k]);
+            ++(faces[k].other < 0 ? walls[g] : lower[index_of(faces[k].other)]);
         }
+        offsets.push_back(contacts.size());
     }
-    for (std::size_t g = 0; g < out.size(); ++g)
-        for (const auto& [other, contact] : contacts[g])
-            if (other > static_cast<std::int32_t>(g)) contacts[index_of(other)][static_cast<std::int32_t>(g)] = contact;
+    // A row: walls, groups of smaller numbers, groups of larger ones.
     out.indptr.push_back(0);
-    for (const auto& own : contacts) {
-        for (const auto& [other, contact] : own) {
-            out.indices.push_back(other);
-            out.counts.push_back(contact.count);
-            if (!areas.empty()) out.areas.push_back(contact.area);
-        }
-        out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
+    std::vector<std::size_t> next;  // place of the next group of a smaller number
+    for (std::size_t g = 0; g < out.size(); ++g) {
+        next.push_back(static_cast<std::size_t>(out.indptr[g] + walls[g]));
+        out.indptr.push_back(out.indptr[g] + static_cast<std::int64_t>(offsets[g + 1] - offsets[g]) + lower[g]);
     }
+    const auto entries = static_cast<std::size_t>(out.indptr.back());
+    out.indices.resize(entries);
+    out.counts.resize(entries);
+    out.areas.resize(areas.empty() ? 0 : entries);
+    const auto place = [&](std::size_t at, std::int32_t other, const Contact& contact) {
+        out.indices[at] = other;
+        out.counts[at] = contact.count;
+        if (!areas.empty()) out.areas[at] = contact.area;
+    };
+    for (std::size_t g = 0; g < out.size(); ++g)
+        for (std::size_t c = offsets[g]; c < offsets[g + 1]; ++c) {
+            const std::int32_t other = contacts[c].other;
+            const auto at = static_cast<std::size_t>(out.indptr[g]) + c - offsets[g];
+            if (other < 0) {
+                place(at, other, contacts[c]);
+                continue;
+            }
+            place(at + static_cast<std::size_t>(lower[g]), other, contacts[c]);
+            place(next[index_of(other)]++, static_cast<std::int32_t>(g), contacts[c]);
+        }
     out.volumes = sums(t.volumes(), group, out.size());
     if (!areas.empty()) out.surface_areas = sums(t.surface_areas(), group, out.size());
     for (std::size_t g = 0; g < out.surface_areas.size(); ++g) out.surface_areas[g] -= within[g];

@@ -211,7 +211,7 @@ class Pieces:
         >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
         >>> vt.tessellate(points, mesh=solid).pieces(gap=0.01).save("pieces.glb")
         """
-        from .export.mesh_file import writing
+        from .export.mesh_file import write_by
         from .export.whole_file import whole_file
 
         file = as_path(path, "path")
@@ -232,9 +232,8 @@ class Pieces:
         names = ("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids")
         arrays = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
         given = _c_api.PieceArrays(rows=len(self.ids), ids=np.ascontiguousarray(numbers, np.int64), **arrays)
-        with whole_file(file) as temporary, writing(temporary) as write:
-            status = lib.votess_write_pieces(given, extension.encode(), write, None)
-        raise_on_failure(status)
+        with whole_file(file) as temporary:
+            write_by(lambda write: lib.votess_write_pieces(given, extension.encode(), write, None), temporary)
 
 
 def make_pieces(

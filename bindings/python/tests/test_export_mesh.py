@@ -11,11 +11,41 @@ import xml.etree.ElementTree
 from unittest import mock
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, Folder, cells, have, lattice, once, uniform
+from helpers import CELL, PACKAGE_PARENT, UNIT_BOX, Folder, cells, have, lattice, once, uniform
 
 import pyvotess as vt
 from pyvotess.export import colors
 from pyvotess.export.mesh_file import write_mesh
+
+
+class FullDisk(Folder):
+    @unittest.skipUnless(hasattr(os, "fork"), "a limit of sizes is a limit of a process")
+    def test_the_error_of_the_file_is_raised(self):
+        """A limit of sizes stands for a full disk. What was there before stays."""
+        with open(self.path("kept.obj"), "w") as file:
+            file.write("before")
+        code = """if True:
+            import resource, signal, sys
+            import numpy as np
+            import pyvotess as vt
+            t = vt.tessellate(np.random.default_rng(1).random((300, 3)), box=[(0, 0, 0), (1, 1, 1)], want="faces,volumes")
+            p = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1.0)]), [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+            pieces = vt.tessellate(t.points, mesh=p).pieces()
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+            for save, names in (t.save, "vtu ply obj glb foam tess msh npz"), (pieces.save, "obj stl glb 3mf"):
+                for name in names.split():
+                    try:
+                        save("kept." + name)
+                    except OSError as error:
+                        assert error.errno == 27, error
+                    else:
+                        raise AssertionError(name)
+        """
+        environment = {**os.environ, "PYTHONPATH": PACKAGE_PARENT}
+        subprocess.run([sys.executable, "-c", code], cwd=self.folder, env=environment, check=True)
+        self.assertEqual([path.name for path in self.folder.rglob("*") if path.is_file()], ["kept.obj"])
+        self.assertEqual((self.folder / "kept.obj").read_text(), "before")
 
 
 class Vtu(Folder):

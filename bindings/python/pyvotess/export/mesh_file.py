@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional
 
 import numpy as np
 
@@ -23,11 +23,10 @@ if TYPE_CHECKING:
     Arrays = Dict[str, npt.NDArray[Any]]
 
 
-@contextlib.contextmanager
-def writing(path: str, folder: str = "") -> Iterator[Any]:
-    """Yields the callback that writes the file, and those of a format of several, which lie in ``folder``.
+def write_by(call: Callable[[Any], int], path: str, folder: str = "") -> None:
+    """Lets ``call`` write the file by a callback, and those of a format of several, which lie in ``folder``.
 
-    The latter appear when all are written, or not at all.
+    The latter appear when all are written, or not at all. Raises for an error of a file, else for the status of ``call``.
     """
     with contextlib.ExitStack() as stack:
         files = {None: stack.enter_context(open(path, "wb"))}
@@ -42,7 +41,8 @@ def writing(path: str, folder: str = "") -> Iterator[Any]:
             return 1
 
         with Callbacks() as callbacks:
-            yield callbacks.guarded(_c_api.WriteCallback, write, 0)
+            status = call(callbacks.guarded(_c_api.WriteCallback, write, 0))
+        raise_on_failure(status)
 
 
 def _arrays_of(t: SeedCells) -> Dict[str, Any]:
@@ -149,5 +149,4 @@ def _write(
     **flags: float,
 ) -> None:
     mesh = _mesh_of(arrays, columns, box, edges, **flags)
-    with writing(path, folder) as write:
-        raise_on_failure(lib.votess_write_mesh(mesh, extension.encode(), write, None))
+    write_by(lambda write: lib.votess_write_mesh(mesh, extension.encode(), write, None), path, folder)
