@@ -8,12 +8,14 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <tuple>
 
 #include "core/text.hpp"
 #include "fields/cell_polygons.hpp"
 #include "fields/slicer.hpp"
 #include "input/domain_of_result.hpp"
 #include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "input/supports.hpp"
 
 namespace votess {
@@ -262,23 +264,16 @@ private:
 
     // Adds the grid cells between the parts of faces and the beginning of each row.
     void add_rows() {
-        if (parts_.empty()) return;
-        Window rows;
-        for (std::size_t k = 1; k < 3; ++k) {
-            const auto [least, largest] = std::ranges::minmax(parts_, {}, [k](const Part& p) { return p.cell[k]; });
-            rows[k] = {least.cell[k], largest.cell[k]};
-        }
-        const std::int64_t along = rows[2].last - rows[2].first + 1;
-        const auto row_of = [&](const Part& part) {
-            return static_cast<std::size_t>((part.cell[1] - rows[1].first) * along + part.cell[2] - rows[2].first);
-        };
-        begin_.assign(static_cast<std::size_t>((rows[1].last - rows[1].first + 1) * along),
-                      std::numeric_limits<std::int64_t>::max());
-        for (const Part& part : parts_) begin_[row_of(part)] = std::min(begin_[row_of(part)], part.cell[0]);
+        const auto row_first = [](const Part& part) { return std::tuple(part.cell[1], part.cell[2], part.cell[0]); };
+        std::ranges::sort(parts_, {}, row_first);
+        Cell cell{};  // the next of the row
+        Vector t{};   // the sums before it
         for (const Part& part : parts_) {
-            Vector t{};
-            Cell cell = part.cell;
-            for (cell[0] = begin_[row_of(part)]; cell[0] < part.cell[0]; ++cell[0]) {
+            if (&part == parts_.data() || part.cell[1] != cell[1] || part.cell[2] != cell[2]) {
+                cell = part.cell;
+                t = {};
+            }
+            for (; cell[0] < part.cell[0]; ++cell[0]) {
                 const double density = value(cell), low = static_cast<double>(cell[0]) - place_.at[0];
                 t[0] += density;
                 t[1] += density * (low + 0.5);
@@ -339,7 +334,6 @@ private:
     double volume_ = 0;
     Moments moments_;
     std::vector<Part> parts_;
-    std::vector<std::int64_t> begin_;  // by row of grid cells
 };
 
 }  // namespace
@@ -402,6 +396,7 @@ Masses masses(const Tessellation& t, const Density& density, unsigned threads) {
     const auto refuse = [](const std::string& message) {
         throw Error(ErrorCode::invalid_argument, "masses(): " + message);
     };
+    check_threads(threads);
     const std::vector<double> values = fields::checked_values(density, t.planar(), "masses");
     if (t.size() == 0) return {};
     if (t.face_offsets().size() != t.indices().size() + 1)

@@ -246,7 +246,7 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
     if (count > 0) {
         if (std::ranges::count(job.outside, CellStatus::outside) == static_cast<std::ptrdiff_t>(count))
             refuse("all points are outside and dropped: move some into the domain");
-        double all = mesh ? mesh_volume : job.box_volume;
+        double all = mesh ? mesh_volume : job.box_volume, mean = 1;
         std::optional<Under> density;
         if (options.density) {
             density = Under{fields::Frame(job, options.density->shape), std::move(values)};
@@ -254,10 +254,11 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
                 fields::masses_in(whole_domain(job), density->frame, density->values, pool, sheet.has_value(), false);
             all = of.masses[0];
             if (!(all > 0)) refuse("the density is 0 in the whole domain: there is no mass to divide");
-            density->mean = all / job.box_volume;
+            mean = all / job.box_volume;
+            for (double& value : density->values) value /= mean;
         }
         std::vector<double> volumes = checked_targets(job, targets, all / unit, options);
-        for (double& volume : volumes) volume *= unit;
+        for (double& volume : volumes) volume *= unit / mean;
         fit(job, mesh, std::move(density), volumes, options, sheet ? 2 : 3, pool, out);
     }
     const Timed last(out.seconds.tessellate);

@@ -78,9 +78,12 @@ Vector solve(const Matrix& matrix, const Vector& right, double tolerance) {
     Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper, Multigrid> solver(matrix);
     solver.setTolerance(tolerance);
     solver.setMaxIterations(max_iterations);
-    Vector x = solver.solve(right);
+    // Squares of tiny volumes would be 0. The unit is a power of two: no digit changes.
+    const double largest = right.cwiseAbs().maxCoeff();
+    const double unit = largest > 0 ? std::exp2(std::ilogb(largest)) : 1;
+    Vector x = solver.solve(Vector(right / unit));
     x.array() -= x.mean();
-    return x;
+    return unit * x;
 }
 
 }  // namespace votess::fit

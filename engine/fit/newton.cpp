@@ -73,8 +73,8 @@ void Newton::measure(Weighted& of) const {
         return Eigen::Map<const Vector>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
     };
     of.volumes = as_vector(of.tessellation.volumes());
-    if (const auto& density = problem_.density)
-        of.volumes = (1 - lift_) * as_vector(of.masses.masses) + lift_ * density->mean * of.volumes;
+    if (problem_.density)
+        of.volumes = (1 - lift_) * as_vector(of.masses.masses) + lift_ * of.volumes;
     of.residual = ((of.volumes - problem_.targets).array() / problem_.targets.array()).abs().maxCoeff();
 }
 
@@ -86,7 +86,7 @@ void Newton::sink() {
         const double kept = std::min(kept_mass * problem_.targets[i], now_.volumes[i]);
         const double mass = now_.masses.masses[cell];
         if (mass >= kept) continue;
-        const double even = problem_.density->mean * now_.tessellation.volumes()[cell];
+        const double even = now_.tessellation.volumes()[cell];
         least = std::max(least, (kept - mass) / (even - mass));
     }
     lift_ = std::min(lift_, least);
@@ -100,7 +100,7 @@ std::vector<double> Newton::areas() const {
     if (!problem_.density) return areas;
     const double lift = std::max(lift_, least_lift * std::min(1.0, now_.residual));
     for (std::size_t i = 0; i < areas.size(); ++i)
-        areas[i] = (1 - lift) * now_.masses.face_masses[i] + lift * problem_.density->mean * areas[i];
+        areas[i] = (1 - lift) * now_.masses.face_masses[i] + lift * areas[i];
     return areas;
 }
 

@@ -13,14 +13,13 @@
 
 namespace votess::fit {
 
-// A density on a grid over the domain.
+// A density on a grid over the domain, of the mean 1.
 struct Under {
     fields::Frame frame;
     std::vector<double> values;
-    double mean = 1;  // over the domain
 };
 
-// With a density all volumes are masses.
+// With a density all volumes are masses, in units of its mean.
 struct Problem {
     std::vector<double> points;  // 3N, along a Hilbert curve
     std::vector<double> places;  // 3N, the points inside a periodic domain

@@ -33,8 +33,9 @@ struct FreeSphere {
 // V vertices, E edges. In a periodic domain each is stored once, not for each image.
 //
 // The radius of a place is its distance to the nearest seed. In a power diagram a seed is a sphere whose radius is the
-// square root of its weight, and distances end at its surface; inside of it they are negative. If radii differ, the
-// places with most room are near vertices and edges of the power diagram, not on them: results are lower bounds then.
+// square root of its weight, and distances end at its surface. If radii differ, the places with most room are near
+// vertices and edges of the power diagram, not on them: results are lower bounds then. Inside of spheres distances are
+// negative; where several overlap, it is that of a seed whose cell is there.
 struct VOTESS_API Network {
     std::vector<double> points;          // 3V, in the plane 2V, absolute; beyond the box where a cell reaches beyond it
     std::vector<std::int32_t> vertices;  // V, ascending: the first of Tessellation::vertices() that each one stands for

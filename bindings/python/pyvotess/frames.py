@@ -18,7 +18,7 @@ from typing import IO, TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optio
 import numpy as np
 
 from . import _library
-from ._arguments import as_path
+from ._arguments import as_path, as_text, shown
 from ._call import VotessError
 from ._c_api import ErrorCode
 from ._domain import SHORT_FORMS, Domain
@@ -198,12 +198,23 @@ def _frames(command: Sequence[str], path: str) -> Iterator[Frame]:
             raise _failure(errors.read().decode("utf-8", "replace"), code, path)
 
 
+def _columns(given: Sequence[Union[str, int]], name: str) -> List[str]:
+    """Returns the names and numbers of columns as texts."""
+    if isinstance(given, bytes) or not isinstance(given, Iterable):
+        raise TypeError(f"{name} is {shown(given)}: give a list of names or numbers")
+    listed = list(given)
+    for column in listed:
+        if isinstance(column, bool) or not isinstance(column, (str, int, np.integer)):
+            raise TypeError(f"{name} has {shown(column)}: give names, or numbers from 1")
+    return [str(column) for column in listed]
+
+
 def read_frames(
     path: Union[str, os.PathLike[str]],
     frames: str = "all",
     dataset: Optional[str] = None,
-    columns: Union[str, Sequence[str]] = "all",
-    coordinates: Optional[Sequence[str]] = None,
+    columns: Union[str, Sequence[Union[str, int]]] = "all",
+    coordinates: Optional[Sequence[Union[str, int]]] = None,
 ) -> Iterator[Frame]:
     """Returns an iterator over the frames of a file, in one pass, with memory for few frames.
 
@@ -227,13 +238,16 @@ def read_frames(
     file = as_path(path, "path")
     if file.startswith("-"):  # not an option, nor the input of the program
         file = os.path.join(os.curdir, file)
-    names = [columns] if isinstance(columns, str) else list(columns)
+    as_text(frames, "frames")
+    if dataset is not None:
+        as_text(dataset, "dataset")
+    names = _columns([columns] if isinstance(columns, str) else columns, "columns")
     command = [_program(), file, "--points"]
     for option, value in (
         ("--frames", frames),
         ("--dataset", dataset),
         ("--copy", _list_of(names) if names else None),
-        ("--columns", None if coordinates is None else _list_of(coordinates)),
+        ("--columns", None if coordinates is None else _list_of(_columns(coordinates, "coordinates"))),
     ):
         if value is not None:  # joined, for it may begin with a minus sign
             command += [f"{option}={value}"] if value else [option, value]

@@ -43,8 +43,9 @@ class Network(WithHandle):
     """V vertices and E edges of a diagram. In a periodic domain each occurs once, not for each image.
 
     The radius of a place is its distance to the nearest seed. With ``radii`` or ``weights`` seeds are spheres, and
-    distances end at their surfaces; inside of one they are negative. If radii differ, the places with most room are near
-    vertices and edges of the power diagram, not on them: largest spheres are lower bounds then.
+    distances end at their surfaces. If radii differ, the places with most room are near vertices and edges of the power
+    diagram, not on them: largest spheres are lower bounds then. Inside of spheres distances are negative; where several
+    overlap, it is that of a seed whose cell is there.
     """
 
     points: Float64Array  #: (V, 3) the vertices, (V, 2) in the plane; beyond the box where a cell reaches beyond it

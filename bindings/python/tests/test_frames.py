@@ -257,6 +257,20 @@ class Files(Folder):
         frame, = vt.read_frames(path, columns="species")
         self.assertEqual((frame.species, frame.columns["species"].tolist()), (["Cu", "Zr", "Cu"],) * 2)
 
+    def test_wrong_arguments_are_named(self):
+        path = self.path("a.csv")
+        with open(path, "w") as file:
+            file.write("1,2,3,4\n")
+        frame, = vt.read_frames(path, coordinates=[1, 2, 3], columns=[4])
+        self.assertEqual((frame.points.tolist(), list(frame.columns)), ([[1, 2, 3]], ["column_4"]))
+        for arguments in (
+            dict(frames=0), dict(dataset=0), dict(columns=None), dict(columns=[[]]), dict(coordinates=1 + 2j),
+            dict(coordinates=b"x"), dict(coordinates=[True, 2, 3]),
+        ):  # fmt: skip
+            name, = arguments
+            with self.subTest(arguments), self.assertRaisesRegex(TypeError, f"^{name} (is|has) "):
+                vt.read_frames(path, **arguments)
+
     def test_h5py_reads_what_clvotess_reads(self):
         """A clvotess without HDF5, as in a wheel, leaves .h5 to h5py. Both readers give the same frames."""
         try:
