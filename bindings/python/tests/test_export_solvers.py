@@ -114,11 +114,11 @@ class Foam(Folder):
                 continue
             twin = patches[patch["neighbourPatch"]]
             self.assertEqual((patch["type"], patch["transform"], twin["nFaces"]), ("cyclic", "translational", patch["nFaces"]))
-            apart = np.array(patch["separationVector"][1:-1].split(), float)
+            apart = np.array(patch["separationVector"][1:-1].split(), float)  # from here to the twin
             for k in range(begin, end):
                 other = faces[int(twin["startFace"]) + k - begin]
                 there = np.concatenate((other[:1], other[:0:-1]))  # the same corners, the first first
-                np.testing.assert_allclose(points[faces[k]] - apart, points[there], atol=1e-13)
+                np.testing.assert_allclose(points[faces[k]] + apart, points[there], atol=1e-13)
         self.assertEqual(end, len(faces))
         self.check_quality(t, mesh, held, areas, centers)
         return mesh
@@ -146,7 +146,7 @@ class Foam(Folder):
                         continue  # most of the twins
                     apart = np.array(patch["separationVector"][1:-1].split(), float)
                     twin = int(patches[patch["neighbourPatch"]]["startFace"]) + k - int(patch["startFace"])
-                    add(k, places[owner[k]], places[owner[twin]] + apart)
+                    add(k, places[owner[k]], places[owner[twin]] - apart)
                 else:
                     n = areas[k] / np.linalg.norm(areas[k])
                     off = (centers[k] - places[owner[k]]) - n @ (centers[k] - places[owner[k]]) * n
@@ -214,7 +214,7 @@ class Foam(Folder):
                             twin = int(patches[patch["neighbourPatch"]]["startFace"]) - part.start
                             for k in part:
                                 there = np.concatenate((faces[k + twin][:1], faces[k + twin][:0:-1]))
-                                np.testing.assert_allclose(points[faces[k]] - apart, points[there], atol=1e-13)
+                                np.testing.assert_allclose(points[faces[k]] + apart, points[there], atol=1e-13)
                         elif t.cell is None:
                             side = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax").index(name)
                             corners = points[np.unique(np.concatenate([faces[k] for k in part]))]
