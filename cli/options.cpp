@@ -114,6 +114,8 @@ surface_areas brings mesh_areas. Into
 .vtu, .glb, .obj, .stl and .3mf the connected pieces of cells: closed
 objects, in .vtu with the id of their cell, in others named by it, as "17",
 or "17.0", "17.1" if a cell has several; materials are inside and surface.
+Into .foam and .msh the pieces with shared faces; the surface is a patch,
+or surface1 and on where it is in several parts.
 --image draws pieces. Queries have answers inside: --to-grid is 0 outside,
 and rays have their parts inside.
 .geojson: polygons with holes, in two dimensions, which it implies. Into

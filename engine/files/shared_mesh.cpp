@@ -53,7 +53,8 @@ Sides sides_of(const Mesh& mesh) {
                 sides.backs.push_back({back, other, cell, k});
         }
     }
-    for (auto* const half : {&sides.fronts, &sides.backs}) std::ranges::sort(*half, {}, &Side::key);
+    for (auto* const half : {&sides.fronts, &sides.backs})
+        std::ranges::sort(*half, {}, [](const Side& s) { return std::tuple_cat(s.key(), std::tie(s.entry)); });
     std::ranges::sort(sides.walls, {}, [](const Side& s) { return std::tuple(-s.to, s.from, s.entry); });
     return sides;
 }
@@ -70,7 +71,8 @@ void check_pairs(const Sides& sides) {
            " has the face between them: give all cells of the diagram");
 }
 
-// Throws unless each edge has two faces, which run along it in opposite directions.
+// Throws unless each edge has two faces, which run along it in opposite directions. In pieces it may have several
+// pairs.
 void check_closed(const Mesh& mesh) {
     struct Edge {
         std::int32_t low, high;
@@ -87,12 +89,15 @@ void check_closed(const Mesh& mesh) {
                 edges.push_back({std::min(a, b), std::max(a, b), a < b});
             }
         }
-        std::ranges::sort(edges, {}, [](const Edge& e) { return std::tie(e.low, e.high, e.ascends); });
-        bool closed = edges.size() % 2 == 0;
-        for (std::size_t e = 0; closed && e < edges.size(); e += 2)
-            closed = edges[e].low == edges[e + 1].low && edges[e].high == edges[e + 1].high &&
-                     edges[e].ascends != edges[e + 1].ascends && edges[e].low != edges[e].high &&
-                     (e == 0 || edges[e - 1].low != edges[e].low || edges[e - 1].high != edges[e].high);
+        std::ranges::sort(edges, {}, [](const Edge& e) { return std::tie(e.low, e.high); });
+        bool closed = true;
+        for (std::size_t begin = 0, end = 0; closed && begin < edges.size(); begin = end) {
+            const Edge& first = edges[begin];
+            int turns = 0;
+            for (; end < edges.size() && edges[end].low == first.low && edges[end].high == first.high; ++end)
+                turns += edges[end].ascends ? 1 : -1;
+            closed = turns == 0 && first.low != first.high && (end - begin == 2 || !mesh.rows.empty());
+        }
         if (!closed)
             refuse("cell " + text_of(i) + " is not closed, because it lacks a face: leave out " + option("min_face") +
                    " and " + option("min_area"));
@@ -110,6 +115,7 @@ std::string Patch::name(const Mesh& mesh) const {
     }
     if (mesh.left_out && wall == -1) return "open";
     const auto k = static_cast<std::size_t>(-static_cast<std::int64_t>(wall)) - 1;
+    if (!mesh.patches.empty()) return mesh.patches[k];
     return k < names.size() ? names[k] : "wall" + std::to_string(k + 1);
 }
 
@@ -183,6 +189,7 @@ SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
 
 void SharedMesh::add_face(const Mesh& mesh, std::size_t entry, std::int32_t owner, std::int32_t neighbor) {
     faces.push_back({owner, neighbor});
+    planes.push_back(mesh.planes.empty() ? mesh.indices[entry] : mesh.planes[entry]);
     const auto polygon = mesh.polygon(entry);
     corners.insert(corners.end(), polygon.begin(), polygon.end());
     offsets.push_back(static_cast<std::int64_t>(corners.size()));

@@ -249,10 +249,11 @@ class Tessellation(SeedCells):
         return make_shapes(self if self.least_face == 0 else self._with_all_faces(), open)
 
     def mesh_quality(self, open: Optional[str] = None, min_edge: float = 0.0) -> MeshQuality:
-        """Returns how well the cells suit solvers, as OpenFOAM's checkMesh measures it. Needs "faces" in want.
+        """Returns how well the cells suit solvers, as OpenFOAM's checkMesh measures it. Needs "faces" in want, except in a mesh.
 
-        ``open``: "skip" leaves out cells that reach infinity, which else are refused. ``min_edge``: as for :meth:`save`. Raises ValueError in the plane, in a mesh,
-        with ``only``, and where ``min_face`` or ``min_area`` dropped faces.
+        ``open``: "skip" leaves out cells that reach infinity, which else are refused. ``min_edge``: as for :meth:`save`. In a
+        mesh these are the numbers of its pieces. Raises ValueError in the plane, with ``only``, and where ``min_face`` or
+        ``min_area`` dropped faces.
 
         >>> t.mesh_quality().wrong_cells
         0
@@ -261,6 +262,8 @@ class Tessellation(SeedCells):
         from .export.geometry import mesh_of
         from .export.mesh_file import mesh_quality
 
+        if self.in_mesh and not self.planar:
+            return self.pieces().mesh_quality(min_edge)
         mesh_of(self, "mesh_quality()", False, True, open)
         return mesh_quality(self, open is not None, as_number(min_edge, "min_edge"))
 
@@ -415,6 +418,7 @@ class Tessellation(SeedCells):
         - ``.tess``: a tessellation of Neper with seeds and weights; not of a periodic domain.
         - ``.msh``: surfaces in triangles, each once, which Gmsh meshes into tetrahedra. Each cell is a physical volume, each
           pair of cells and each wall a physical surface.
+          In a mesh .foam and .msh hold the pieces of :meth:`pieces`, and the surface is a patch.
         - ``.html``: the page of :meth:`view`, about 350 bytes for a cell of random points.
 
         ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu; (N,) for .html.
