@@ -291,7 +291,8 @@ void write_foam(OutputFile& file, const OutputData& data) {
 }
 
 void write_stl(OutputFile& file, const OutputData& data) {
-    write_pieces(file, data, ".stl");
+    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".stl");
+    write(file, data, mesh_of(data), ".stl");
 }
 
 void write_3mf(OutputFile& file, const OutputData& data) {

@@ -56,7 +56,7 @@ std::span<const std::int32_t> indices(const std::int32_t* values, std::uint64_t 
     return result;
 }
 
-double length(double given, const char* name) {
+double checked_length(double given, const char* name) {
     if (!(given >= 0 && std::isfinite(given)))
         refuse(std::string(name) + " is " + std::to_string(given) + ": give a length from 0 on");
     return given;
@@ -134,7 +134,7 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     for (std::size_t k = 0; k < 3 && !mesh.skewed; ++k) mesh.edges[4 * k] = box.upper[k] - box.lower[k];
     if (given.seeds != nullptr) mesh.seeds = {given.seeds, static_cast<std::size_t>(3 * given.cells)};
     if (given.weights != nullptr) mesh.weights = {given.weights, static_cast<std::size_t>(given.cells)};
-    mesh.min_edge = length(given.min_edge, "mesh.min_edge");
+    mesh.min_edge = checked_length(given.min_edge, "mesh.min_edge");
     mesh.short_edges = given.short_edges;
     if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};
     for (const votess_column& one : array(given.columns, given.column_count, "columns"))
@@ -159,7 +159,7 @@ struct Format {
 
 constexpr Format<files::Mesh> mesh_formats[] = {
     {".vtu", files::write_vtu},   {".ply", files::write_ply},   {".obj", files::write_obj}, {".glb", files::write_glb},
-    {".foam", files::write_foam}, {".tess", files::write_tess}, {".msh", files::write_msh}};
+    {".foam", files::write_foam}, {".tess", files::write_tess}, {".msh", files::write_msh}, {".stl", files::write_stl}};
 
 constexpr Format<files::Pieces> piece_formats[] = {
     {".glb", files::write_pieces_glb},        {".obj", files::write_pieces_obj},   {".stl", files::write_pieces_stl},
@@ -251,7 +251,7 @@ files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::
         refuse("pieces.on_surface must hold 0 and 1");
     if (given.sources != nullptr) pieces.sources = {given.sources, triangles};
     pieces.centroids = array(given.centroids, dimensions * count, "centroids", "pieces");
-    pieces.min_edge = length(given.min_edge, "pieces.min_edge");
+    pieces.min_edge = checked_length(given.min_edge, "pieces.min_edge");
     pieces.short_edges = given.short_edges;
     return pieces;
 }

@@ -27,7 +27,7 @@ struct Triangle {
 };
 
 // A side of a triangle.
-struct Side {
+struct TriangleSide {
     Id low, high;
     bool ascends;
     Id triangle;
@@ -58,7 +58,7 @@ private:
     std::vector<Id> parent_;
 };
 
-double length(const Vector3& x) {
+double norm(const Vector3& x) {
     return length3(x[0], x[1], x[2]);
 }
 
@@ -188,7 +188,7 @@ private:
         Id count = 0;
         for (const Triangle& t : triangles_) count = std::max(count, -t.source);
         std::vector<Vector3> normals(at(count));
-        std::vector<Side> sides;
+        std::vector<TriangleSide> sides;
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             const Triangle& triangle = triangles_[t];
             if (triangle.source >= 0) continue;
@@ -198,22 +198,22 @@ private:
             add_sides(t, sides);
         }
         for (Vector3& n : normals) {
-            const double size = length(n);
+            const double size = norm(n);
             for (double& x : n) x /= size > 0 ? size : 1;
         }
-        std::ranges::sort(sides, {}, [](const Side& s) { return s.ends(); });
+        std::ranges::sort(sides, {}, [](const TriangleSide& s) { return s.ends(); });
         Sets planes(at(count));
         for (std::size_t i = 1; i < sides.size(); ++i) {
             if (sides[i].ends() != sides[i - 1].ends()) continue;
             const Id one = -1 - triangles_[at(sides[i - 1].triangle)].source;
             const Id two = -1 - triangles_[at(sides[i].triangle)].source;
             const Vector3 &m = normals[at(one)], &n = normals[at(two)];
-            if (one != two && dot(m, n) > 0 && length(cross(m, n)) <= same_direction) planes.join(one, two);
+            if (one != two && dot(m, n) > 0 && norm(cross(m, n)) <= same_direction) planes.join(one, two);
         }
         for (Triangle& t : triangles_)
             if (t.source < 0) t.source = -1 - planes.find(-1 - t.source);
     }
-    void add_sides(std::size_t t, std::vector<Side>& sides) const {
+    void add_sides(std::size_t t, std::vector<TriangleSide>& sides) const {
         for (std::size_t k = 0; k < 3; ++k) {
             const Id a = triangles_[t].corners[k], b = triangles_[t].corners[(k + 1) % 3];
             sides.push_back({std::min(a, b), std::max(a, b), a < b, static_cast<Id>(t)});
@@ -224,23 +224,23 @@ private:
     // piece: images of one cell may have faces with one source that meet in an edge.
     void find_regions() {
         regions_.clear();
-        std::vector<Side> sides;
+        std::vector<TriangleSide> sides;
         for (std::size_t t = 0; t < triangles_.size(); ++t) add_sides(t, sides);
-        const auto owner = [&](const Side& side) {
+        const auto owner = [&](const TriangleSide& side) {
             const Triangle& triangle = triangles_[at(side.triangle)];
             return std::pair(triangle.piece, triangle.source);
         };
-        std::ranges::sort(sides, {}, [&](const Side& s) { return std::tuple(s.ends(), owner(s), s.triangle); });
+        std::ranges::sort(sides, {}, [&](const TriangleSide& s) { return std::tuple(s.ends(), owner(s), s.triangle); });
         Sets sets(triangles_.size());
         std::vector<Diagonal> diagonals;
-        std::vector<Side> rims;
+        std::vector<TriangleSide> rims;
         for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
             std::size_t pieces = 0;
             for (end = i; end < sides.size() && sides[end].ends() == sides[i].ends(); ++end)
                 pieces += end == i || owner(sides[end]).first != owner(sides[end - 1]).first ? 1 : 0;
             for (std::size_t begin = i, j = i; begin < end; begin = j) {
                 for (j = begin; j < end && owner(sides[j]) == owner(sides[begin]);) ++j;
-                const Side &one = sides[begin], &two = sides[j - 1];
+                const TriangleSide &one = sides[begin], &two = sides[j - 1];
                 const bool inside = triangles_[at(one.triangle)].source < 0 || pieces <= 2;
                 if (j - begin == 2 && one.ascends != two.ascends && inside) {
                     sets.join(one.triangle, two.triangle);
@@ -262,7 +262,7 @@ private:
             region(t).triangles.push_back(t);
         }
         for (const Diagonal& diagonal : diagonals) region(diagonal.left).diagonals.push_back(diagonal);
-        for (const Side& side : rims) region(side.triangle).rim.push_back(side.path());
+        for (const TriangleSide& side : rims) region(side.triangle).rim.push_back(side.path());
         for (Region& one : regions_) std::ranges::sort(one.rim);
     }
 
@@ -319,7 +319,7 @@ private:
             if (v == from || v == to) continue;
             const Vector3 arm = step(from, v);
             const double share = dot(arm, along) / square;
-            if (share > 0 && share < 1 && length(cross(arm, along)) <= room * std::sqrt(square))
+            if (share > 0 && share < 1 && norm(cross(arm, along)) <= room * std::sqrt(square))
                 found.emplace_back(share, v);
         }
         std::ranges::sort(found);
@@ -397,7 +397,7 @@ private:
             for (const Id t : region.triangles) {
                 const auto& [a, b, c] = triangles_[at(t)].corners;
                 const Vector3 normal = cross(step(a, b), step(a, c));
-                area += length(normal) / 2;
+                area += norm(normal) / 2;
                 volumes[at(piece)] += dot(minus(point_of(vertices, at(a)), origin), normal) / 6;
             }
             areas[at(piece)] += area;
@@ -453,10 +453,10 @@ private:
             number[t] = static_cast<Id>(polygons.size());
             polygons.push_back({a, b, c});
         }
-        const double size = length(normal);
+        const double size = norm(normal);
         for (double& n : normal) n /= size > 0 ? size : 1;
         std::vector<std::pair<double, Diagonal>> diagonals;
-        for (const Diagonal& d : region.diagonals) diagonals.emplace_back(-length(step(d.from, d.to)), d);
+        for (const Diagonal& d : region.diagonals) diagonals.emplace_back(-norm(step(d.from, d.to)), d);
         std::ranges::stable_sort(diagonals, {}, [](const auto& d) { return d.first; });
         Sets sets(polygons.size());
         for (const auto& [_, d] : diagonals) {
@@ -485,7 +485,7 @@ private:
     [[nodiscard]] Vector3 step(Id a, Id b) const { return minus(point_of(vertices, at(b)), point_of(vertices, at(a))); }
     [[nodiscard]] bool is_convex(Id a, Id b, Id c, const Vector3& normal) const {
         const Vector3 in = step(a, b), out = step(b, c);
-        const double x = length(in), y = length(out);
+        const double x = norm(in), y = norm(out);
         return dot(normal, cross(in, out)) >= -same_direction * x * y - tolerance_ * (x + y);
     }
 

@@ -83,5 +83,6 @@ void write_glb(const Mesh& mesh, ByteSink& out);
 void write_foam(const Mesh& mesh, ByteSink& out);
 void write_tess(const Mesh& mesh, ByteSink& out);
 void write_msh(const Mesh& mesh, ByteSink& out);
+void write_stl(const Mesh& mesh, ByteSink& out);
 
 }  // namespace votess::files

@@ -1,8 +1,6 @@
 // Gmsh's .msh 4.1: the surfaces of all cells in triangles, with the topology that a mesher of volumes needs. Each
 // vertex, edge, face and cell is an entity; cells have no elements yet.
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "core/at.hpp"
 #include "core/box.hpp"
@@ -14,43 +12,6 @@ namespace {
 void put_box(ByteSink& out, const Box& box) {
     for (const double x : box.lower) put_next(out, x);
     for (const double x : box.upper) put_next(out, x);
-}
-
-// Returns the corner whose fan of triangles has the thickest thinnest triangle. Thickness is the area, divided by the
-// square of the longest side.
-std::size_t best_apex(const SharedMesh& mesh, std::size_t face) {
-    const auto polygon = mesh.polygon(face);
-    const std::size_t n = polygon.size();
-    std::size_t best = 0;
-    double best_ratio = -1;
-    for (std::size_t apex = 0; apex < n; ++apex) {
-        double least = std::numeric_limits<double>::infinity();
-        const Vector3 origin = mesh.vertex(polygon[apex]);
-        for (std::size_t k = 1; k + 1 < n; ++k) {
-            const Vector3 a = minus(mesh.vertex(polygon[(apex + k) % n]), origin),
-                          b = minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin), c = minus(b, a),
-                          area = cross(a, b);
-            const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
-            least = std::min(least, longest > 0 ? std::sqrt(dot(area, area)) / longest : 0);
-        }
-        if (least > best_ratio) best_ratio = least, best = apex;
-    }
-    return best;
-}
-
-// Returns the apex of each face. Both sides of a periodic boundary have the same triangles.
-std::vector<std::size_t> apexes(const SharedMesh& mesh) {
-    std::vector<std::size_t> result(mesh.faces.size());
-    for (std::size_t f = 0; f < result.size(); ++f) result[f] = best_apex(mesh, f);
-    for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
-        const Patch &patch = mesh.patches[p], &twin = mesh.patches[patch.twin];
-        if (patch.twin >= p) continue;
-        for (std::size_t k = 0; k < patch.count; ++k) {
-            const std::size_t corners = mesh.polygon(patch.first + k).size();
-            result[patch.first + k] = (corners - result[twin.first + k]) % corners;
-        }
-    }
-    return result;
 }
 
 class MshWriter {

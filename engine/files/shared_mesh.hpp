@@ -90,6 +90,10 @@ private:
     std::vector<std::int32_t> faces_;
 };
 
+// Returns the corner of each face where a fan of triangles begins that cuts it well. Both sides of a periodic boundary
+// have the same triangles.
+[[nodiscard]] std::vector<std::size_t> apexes(const SharedMesh& mesh);
+
 // Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra. Returns the number of the
 // edges that stay.
 std::uint64_t collapse_edges(SharedMesh& mesh, double length);

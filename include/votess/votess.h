@@ -496,7 +496,7 @@ typedef struct votess_mesh {
     double edges[9];        // a, b, c of a triclinic box; 0 for an axis-aligned one. For .foam and .tess
     const double* seeds;    // 3 * N, for .tess
     const double* weights;  // N, of a power diagram, for .tess; NULL for none
-    double min_edge;        // in .foam, .tess and .msh collapse edges below this length; 0 for none
+    double min_edge;        // in .foam, .tess, .msh and .stl collapse edges below this length; 0 for none
     uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
 } votess_mesh;
 
@@ -526,7 +526,8 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".tess": the tessellation of Neper, with seeds and weights; its domain must not be periodic
 //   - ".msh": surfaces in triangles, each once, for Gmsh. A physical volume for each cell, a physical surface for each
 //   pair of cells and each wall
-// The last three need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
+//   - ".stl": text, a solid for each cell, named by its row; two cells have the same triangles between them
+// The last four need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
 // edges may be collapsed by mesh.min_edge: the ends become one vertex, faces with two corners vanish, and cells stay
 // closed. An edge stays if a cell would not remain a polyhedron, or a vertex would leave its walls.
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,

@@ -347,6 +347,8 @@ class SolverFiles(ReaderTest):
         self.assertEqual((self.folder / "run/case.foam").read_bytes(), b"")
         self.assertIn("nCells:200 ", (mesh / "owner").read_text())
         self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 200)
+        self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-q", "-o", "a.stl")
+        self.assertEqual((self.folder / "a.stl").read_text().count("endsolid"), 200)
         before = (mesh / "points").read_bytes()
         lines = [(mesh / "points").read_text().count("\n")]
         self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-q", "-o", "run/case.foam", "--min-edge", "0.03")
@@ -366,6 +368,7 @@ class SolverFiles(ReaderTest):
         self.assertLess((mesh / "points").read_text().count("\n"), 0.95 * before)
         self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 30)
         self.refuse("--random", "30", "--mesh", "tetra.off", "--gap", "0.1", "-o", "b.foam", says="--gap parts the pieces")
+        self.refuse("--random", "30", "--mesh", "tetra.off", "--min-edge", "0.1", "-o", "b.stl", says="add -o FILE in .foam or .msh")
         self.refuse("--random", "30", "--mesh", "tetra.off", "-o", "b.tess", says="polygons of whole cells")
 
     def test_refusals(self):

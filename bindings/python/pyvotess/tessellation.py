@@ -413,6 +413,7 @@ class Tessellation(SeedCells):
           number of vertices, as meshio needs; ``id`` is the seed.
         - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
         - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
+        - ``.stl``: text, a solid for each cell, named by its seed. Two cells have the same triangles between them.
         - ``.foam``: a mesh of OpenFOAM. The file is empty, as ParaView wants it; the mesh is in the folder
           ``constant/polyMesh`` beside it. Each wall is a patch, and a periodic boundary a pair of cyclic patches.
         - ``.tess``: a tessellation of Neper with seeds and weights; not of a periodic domain.
@@ -425,14 +426,14 @@ class Tessellation(SeedCells):
         ``color``: for .glb, .html, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
-        ``min_edge``: in .foam, .tess and .msh the ends of edges below this length become one vertex, and faces with two
+        ``min_edge``: in .foam, .tess, .msh and .stl the ends of edges below this length become one vertex, and faces with two
         corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, because a cell would not
         remain a polyhedron.
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
         names them.
 
         Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, a .glb above 4 GiB, and for
-        .foam, .tess and .msh where ``min_face`` or ``min_area`` dropped faces;
+        .foam, .tess, .msh and .stl where ``min_face`` or ``min_area`` dropped faces;
         ImportError without h5py for .h5; OSError when the file cannot be written.
 
         >>> t.save("cells.npz")

@@ -506,6 +506,35 @@ class Tess(Folder):
         self.check(vt.tessellate(uniform(1), box=UNIT_BOX, want=WANT))
 
 
+class Stl(Folder):
+    def test_solids(self):
+        for t in domains():
+            t.save(self.path("a.stl"))
+            text = (self.folder / "a.stl").read_text()
+            solids = re.findall(r"solid (\d+)\n(.*?)endsolid \1\n", text, re.S)
+            held = np.flatnonzero(t.volumes > 0)
+            self.assertEqual([int(name) for name, _ in solids], held.tolist())
+            seen = {}
+            for (name, facets), i in zip(solids, held):
+                numbers = np.array(re.findall(r"(?:normal|vertex) (\S+) (\S+) (\S+)", facets), float).reshape(-1, 4, 3)
+                normals, corners = numbers[:, 0], numbers[:, 1:]
+                area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+                np.testing.assert_allclose(np.linalg.norm(area, axis=1)[:, None] * normals, area, atol=1e-14)
+                a, b, c = np.moveaxis(corners - t.centroids[i], 1, 0)
+                np.testing.assert_allclose(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, t.volumes[i], rtol=1e-12)
+                places = [tuple(map(tuple, f)) for f in corners]
+                edges = [(f[k], f[(k + 1) % 3]) for f in places for k in range(3)]
+                self.assertEqual(set(edges), {e[::-1] for e in edges}, "closed")
+                self.assertEqual(len(edges), len(set(edges)))
+                for f in places:
+                    seen.setdefault(frozenset(f), []).append(i)
+            if not any(t.periodic):
+                inner = sum((np.asarray(row) >= 0).sum() for row in t.neighbors) // 2
+                shared = [pair for pair in seen.values() if len(pair) == 2]
+                self.assertEqual(len({tuple(pair) for pair in shared}), inner, "two cells have the same triangles")
+                self.assertLessEqual(max(map(len, seen.values())), 2)
+
+
 class Msh(Folder):
     def read(self):
         """Returns names, the physical group of each surface, the surfaces of each volume, nodes and triangles."""

@@ -38,6 +38,7 @@ _KINDS: Dict[str, _Kind] = {
     ".ply": _Kind(mesh=True, color=True),
     ".obj": _Kind(mesh=True),
     ".glb": _Kind(mesh=True, color=True),
+    ".stl": _Kind(mesh=True, edges=True),
     ".foam": _Kind(mesh=True, edges=True),
     ".tess": _Kind(mesh=True, edges=True),
     ".msh": _Kind(mesh=True, edges=True),
