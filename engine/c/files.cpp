@@ -205,6 +205,14 @@ votess_mesh_quality quality_of(const files::Mesh& mesh) {
 // Pieces are joined by what lies beyond their triangles.
 void check_joined(const files::Pieces& pieces) {
     if (pieces.sources.empty() && !pieces.triangles.empty()) refuse("pieces.sources is NULL");
+    if (!std::ranges::all_of(pieces.vertices, [](double x) { return std::isfinite(x); }))
+        refuse("pieces.vertices must be finite");
+    for (std::size_t t = 0; t < pieces.sources.size(); ++t) {
+        const std::int32_t source = pieces.sources[t];
+        if (source < 0 || (pieces.on_surface[t] == 0 && static_cast<std::size_t>(source) >= pieces.ids.size()))
+            refuse("pieces.sources[" + std::to_string(t) + "] is " + std::to_string(source) + ", but there are " +
+                   std::to_string(pieces.ids.size()) + " rows: give the pieces of all cells");
+    }
 }
 
 void check_quality(const votess_mesh_quality* quality) {

@@ -23,7 +23,7 @@ constexpr double same_direction = 1e-9;  // sine of an angle
 struct Triangle {
     std::array<Id, 3> corners;
     Id piece;
-    Id source;  // the row beyond; on the surface -1 - the triangle of the mesh, the first of those in one plane
+    Id source;  // the row beyond; on the surface -1 - a number, ascending with the triangles of the mesh
 };
 
 // A side of a triangle.
@@ -116,7 +116,7 @@ public:
         find_owners();
     }
 
-    // On the surface `other` is -1 - a patch, and `plane` a triangle of the mesh.
+    // On the surface `other` is -1 - a patch, and `plane` the number of its source.
     struct Face {
         Id piece, other, plane;
         std::vector<Id> polygon;
@@ -185,9 +185,17 @@ private:
 
     // Makes one source of triangles of the mesh that touch and lie in one plane.
     void join_planes() {
-        Id count = 0;
-        for (const Triangle& t : triangles_) count = std::max(count, -t.source);
-        std::vector<Vector3> normals(at(count));
+        std::vector<Id> sources;
+        for (const Triangle& t : triangles_)
+            if (t.source < 0) sources.push_back(-1 - t.source);
+        std::ranges::sort(sources);
+        sources.erase(std::ranges::unique(sources).begin(), sources.end());
+        for (Triangle& t : triangles_)
+            if (t.source < 0) {
+                const auto found = std::ranges::lower_bound(sources, -1 - t.source);
+                t.source = -1 - static_cast<Id>(found - sources.begin());
+            }
+        std::vector<Vector3> normals(sources.size());
         std::vector<TriangleSide> sides;
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             const Triangle& triangle = triangles_[t];
@@ -202,7 +210,7 @@ private:
             for (double& x : n) x /= size > 0 ? size : 1;
         }
         std::ranges::sort(sides, {}, [](const TriangleSide& s) { return s.ends(); });
-        Sets planes(at(count));
+        Sets planes(sources.size());
         for (std::size_t i = 1; i < sides.size(); ++i) {
             if (sides[i].ends() != sides[i - 1].ends()) continue;
             const Id one = -1 - triangles_[at(sides[i - 1].triangle)].source;

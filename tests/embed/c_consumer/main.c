@@ -197,6 +197,9 @@ static void check_pieces(const votess_result* result) {
     const int32_t* const sources = arrays.sources;
     arrays.sources = NULL;
     CHECK_REFUSES(votess_write_pieces(&arrays, ".foam", count_files, &files), "pieces.sources is NULL");
+    const int32_t far_away[3] = {-1, 8, 8};
+    arrays.sources = far_away;
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".foam", count_files, &files), "pieces.sources[0] is -1");
     arrays.sources = sources;
     CHECK_REFUSES(votess_write_pieces(&arrays, ".vtu", count_bytes, &bytes), "known are .glb .obj .stl .3mf");
     CHECK_REFUSES(votess_write_pieces(&arrays, ".stl", NULL, NULL), "write");
