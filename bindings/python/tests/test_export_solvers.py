@@ -1,6 +1,8 @@
 """Meshes for solvers and meshers: .foam, .tess and .msh, read back by plain code, VTK and Gmsh, and their quality."""
 
 import re
+import shutil
+import subprocess
 import unittest
 import warnings
 
@@ -394,6 +396,34 @@ class FoamOfPieces(FoamFolder):
             with self.assertRaisesRegex(ValueError, message):
                 save()
         self.assertEqual([p.name for p in self.folder.rglob("*") if p.is_file()], [])
+
+
+@unittest.skipIf(shutil.which("checkMesh") is None, "OpenFOAM is not installed")
+class CheckMesh(Folder):
+    def check(self, t):
+        t.save(self.path("case.foam"), min_edge=0.02)
+        system = self.folder / "system"
+        system.mkdir(exist_ok=True)
+        for name, content in (
+            ("controlDict", "startTime 0; endTime 1; deltaT 1; writeInterval 1;"),
+            ("fvSchemes", "ddtSchemes {} gradSchemes {} divSchemes {} laplacianSchemes {} interpolationSchemes {} snGradSchemes {}"),
+            ("fvSolution", ""),
+        ):  # fmt: skip
+            head = f"FoamFile {{ version 2.0; format ascii; class dictionary; object {name}; }}\n"
+            (system / name).write_text(head + content)
+        done = subprocess.run(["checkMesh", "-case", str(self.folder)], capture_output=True, text=True)
+        self.assertIn("\nMesh OK.\n", done.stdout, done.stdout + done.stderr)
+        angle = float(re.search(r"non-orthogonality Max: (\S+)", done.stdout)[1])
+        np.testing.assert_allclose(t.mesh_quality(min_edge=0.02).max_non_orthogonality, angle, rtol=1e-4)
+
+    def test_cells_pass(self):
+        for options in ({}, {"periodic": True}, {"mesh": CUBE}):
+            domain = {"box": UNIT_BOX, **options} if "mesh" not in options else options
+            relaxed = vt.lloyd(uniform(100), steps=10, **domain).points
+            more = {} if "mesh" in options else {"want": WANT}
+            with self.subTest(options), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                self.check(vt.tessellate(relaxed, **domain, **more))
 
 
 def read_tess(path):
