@@ -114,15 +114,17 @@ surface_areas brings mesh_areas. Into
 .vtu, .glb, .obj, .stl and .3mf the connected pieces of cells: closed
 objects, in .vtu with the id of their cell, in others named by it, as "17",
 or "17.0", "17.1" if a cell has several; materials are inside and surface.
+Into .foam and .msh the pieces with shared faces; the surface is a patch,
+or surface1 and on where it is in several parts.
 --image draws pieces. Queries have answers inside: --to-grid is 0 outside,
 and rays have their parts inside.
 .geojson: polygons with holes, in two dimensions, which it implies. Into
 .geojson the pieces of cells as polygons)",
          {.needs = Needs::all_points}},
         {"--min-edge LENGTH",
-         R"(in .foam, .tess and .msh: make one vertex of the ends of shorter edges.
-Faces with two corners vanish, cells stay closed, and vertices on their
-walls. Reports edges that stay, since a cell would be none)",
+         R"(in .foam, .tess, .msh and .stl: make one vertex of the ends of shorter
+edges. Faces with two corners vanish, cells stay closed, and vertices on
+their walls. Reports edges that stay, since a cell would be none)",
          {.needs = Needs::cells}},
         {"--gap WIDTH",
          R"(in .glb, .obj, .stl, .3mf, .geojson and --image: leave this distance
@@ -242,6 +244,7 @@ get an empty one, or the input is refused)",
 .tess  Neper: polyhedra with shared faces, seeds and weights, not periodic
 .msh   Gmsh: surfaces in triangles, each once, with a physical volume for
        each cell and a physical surface for each pair and each wall
+.stl   text: a solid for each cell, named by its row (from 0)
 .stl .3mf  pieces of cells in a mesh, as .obj and .glb hold: see --mesh
 .geojson   pieces of cells in polygons: see --mesh
 -      text on stdout

@@ -317,8 +317,13 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
         else if (output_has(path, cell_pieces) && !output_has(path, polyhedra) && arguments.flat.empty())
             throw bad_input("output " + in_quotes(path) + " holds polygons: add --mesh FILE.geojson");
     const bool pieces = any_output_has(arguments.outputs, cell_pieces);
-    if (typed.has("--min-edge") && !any_output_has(arguments.outputs, shared_faces))
-        throw bad_input("--min-edge is for meshes of solvers: add -o FILE in .foam, .tess or .msh");
+    const bool in_mesh = !arguments.mesh_file.empty();
+    if (typed.has("--min-edge") && !any_output_has(arguments.outputs, in_mesh ? joined_pieces : shared_faces))
+        throw bad_input(std::string("--min-edge is for meshes of solvers: add -o FILE in ") +
+                        (in_mesh ? ".foam or .msh" : ".foam, .tess, .msh or .stl"));
+    for (const std::string& path : arguments.outputs)
+        if (typed.has("--gap") && output_has(path, joined_pieces))
+            throw bad_input("--gap parts the pieces, and output " + in_quotes(path) + " joins them: leave out --gap");
     if (typed.has("--gap") && !pieces && !typed.has("--image"))
         throw bad_input("--gap is between pieces: add -o FILE in .glb, .obj, .stl, .3mf or .geojson");
     for (const std::string& path : arguments.outputs)
@@ -337,7 +342,6 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = votess::want_of(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
-    const bool in_mesh = !arguments.mesh_file.empty();
     for (const std::string& path : arguments.outputs)
         add_output_needs(path, typed.has("--want"), arguments.wanted, in_mesh);
     arguments.read.species |= any_output_has(arguments.outputs, species_column);
@@ -420,8 +424,9 @@ void check_mesh(const Arguments& arguments) {
         throw bad_input("--slice does not work in a mesh: leave it out for a picture of the pieces");
     for (const std::string& path : arguments.outputs)
         if (output_has(path, polyhedra) && !output_has(path, cell_pieces))
-            throw bad_input("output " + in_quotes(path) +
-                            " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl or .3mf");
+            throw bad_input(
+                "output " + in_quotes(path) +
+                " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl, .3mf, .foam or .msh");
     const bool flat = arguments.options.planar;
     if (flat && arguments.picture)
         throw bad_input("--image does not draw cells in polygons: leave out --mesh, or write .geojson");

@@ -1,4 +1,5 @@
-// Neper's .tess: the seeds with their weights, which count squared, and the domain. Its polyhedra are made again.
+// Neper's .tess: the seeds with their weights, which count squared, and the domain. Its polyhedra are made again; a
+// note reports those that regularization changed.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,6 +66,7 @@ public:
                 section_ = word;
                 if (section_ == "**general") read_general();
                 if (section_ == "**cell") cells_ = words_.count("cells");
+                if (section_ == "**vertex") read_vertices();
             } else if (word.starts_with("*")) {
                 read_part(word);
             }
@@ -82,6 +84,15 @@ private:
         if (dimension != 3)
             throw words_.error("a tessellation in " + std::to_string(dimension) +
                                " dimensions: those in three are read; write its seeds as rows of text");
+    }
+
+    // A row: number, x, y, z, and a state: not 0 where regularization made one vertex of several.
+    void read_vertices() {
+        const std::size_t count = words_.count("vertices");
+        for (std::size_t i = 0; i < count; ++i) {
+            words_.skip(4, "a vertex");
+            if (words_.whole("the state of a vertex") != 0) input_.note = "regularized polyhedra, made again without";
+        }
     }
 
     void read_part(std::string_view part) {

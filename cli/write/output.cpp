@@ -40,10 +40,10 @@ constexpr std::array<Kind, 20> kinds{{{".txt", write_text, text_rows | rows},
                                       {".ply", write_ply, solid},
                                       {".obj", write_obj, solid | of_pieces},
                                       {".glb", write_glb, solid | of_pieces | cell_colors},
-                                      {".foam", write_foam, solver},
+                                      {".foam", write_foam, solver | of_pieces | joined_pieces},
                                       {".tess", write_tess, solver},
-                                      {".msh", write_msh, solver},
-                                      {".stl", write_stl, of_pieces},
+                                      {".msh", write_msh, solver | of_pieces | joined_pieces},
+                                      {".stl", write_stl, solver | of_pieces},
                                       {".3mf", write_3mf, of_pieces},
                                       {".geojson", write_geojson, cell_pieces}}};
 
@@ -165,12 +165,12 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
     for (const std::string& path : paths) {
         const Kind* const kind = kind_of(path);
         if (!kind) {
-            throw bad_input(
-                "cannot write " + in_quotes(path) +
-                ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb .foam .tess .msh, with --mesh "
-                ".stl, .3mf and .geojson, "
-                "and text on stdout "
-                "as -");
+            throw bad_input("cannot write " + in_quotes(path) +
+                            ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb .stl .foam .tess "
+                            ".msh, with --mesh "
+                            ".3mf and .geojson, "
+                            "and text on stdout "
+                            "as -");
         }
         if (kind->write == write_hdf5) check_hdf5(path);
     }

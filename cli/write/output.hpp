@@ -43,8 +43,9 @@ enum OutputTrait : unsigned {
     cell_colors = 128,
     shared_faces = 256,  // --min-edge changes it
     species_column = 512,
-    in_space = 1024,  // cannot hold cells of the plane
-    in_box = 2048,    // needs a domain with ends
+    in_space = 1024,       // cannot hold cells of the plane
+    in_box = 2048,         // needs a domain with ends
+    joined_pieces = 4096,  // of cells in a mesh, with shared faces
 };
 // Returns whether a file of the path's extension has one of these traits.
 [[nodiscard]] bool output_has(const std::string& path, unsigned traits);

@@ -94,6 +94,12 @@ void write_by(votess_status (*function)(const Arrays*, const char*, votess_write
     if (status != VOTESS_OK) throw_last_error(status, "cannot write " + file.description() + ": ");
 }
 
+void print_short_edges(OutputFile& file, const OutputData& data, std::uint64_t count) {
+    if (count > 0 && data.reports_size)
+        std::fprintf(stderr, "%s keeps %s edges below --min-edge, for a cell would not remain a polyhedron\n",
+                     file.description().c_str(), std::to_string(count).c_str());
+}
+
 void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const char* format) {
     std::uint64_t left_out = 0, short_edges = 0;
     mesh.left_out = &left_out;
@@ -103,9 +109,7 @@ void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const cha
     if (left_out > 0 && data.reports_size)
         std::fprintf(stderr, "%s leaves out %s cells that reach infinity\n", file.description().c_str(),
                      std::to_string(left_out).c_str());
-    if (short_edges > 0 && data.reports_size)
-        std::fprintf(stderr, "%s keeps %s edges below --min-edge, for a cell would not remain a polyhedron\n",
-                     file.description().c_str(), std::to_string(short_edges).c_str());
+    print_short_edges(file, data, short_edges);
 }
 
 // Returns the ids of the rows, or their numbers.
@@ -115,6 +119,13 @@ std::vector<std::int64_t> ids_of(const OutputData& data) {
     ids.resize(data.tessellation.size());
     std::iota(ids.begin(), ids.end(), std::int64_t{0});
     return ids;
+}
+
+void print_quality(OutputFile& file, const votess_mesh_quality& quality) {
+    std::fprintf(stderr,
+                 "%s has non-orthogonality up to %.3g degrees, mean %.3g, skewness up to %.3g, edges from %.3g on\n",
+                 file.description().c_str(), quality.max_non_orthogonality, quality.mean_non_orthogonality,
+                 quality.max_skewness, quality.min_edge);
 }
 
 void write_pieces(OutputFile& file, const OutputData& data, const char* format) {
@@ -134,8 +145,19 @@ void write_pieces(OutputFile& file, const OutputData& data, const char* format) 
     arrays.triangles = pieces.triangles.data();
     arrays.on_surface = pieces.on_surface.data();
     arrays.centroids = pieces.centroids.data();
-    const bool is_glb = std::string_view(format) == ".glb";
-    write_by(votess_write_pieces, arrays, file, format, is_glb && data.reports_size);
+    arrays.sources = pieces.sources.data();
+    arrays.min_edge = data.min_edge;
+    std::uint64_t short_edges = 0;
+    arrays.short_edges = &short_edges;
+    const std::string_view name = format;
+    write_by(votess_write_pieces, arrays, file, format, name == ".glb" && data.reports_size);
+    print_short_edges(file, data, short_edges);
+    if (name != ".foam" || !data.reports_size) return;
+    votess_mesh_quality quality{};
+    quality.struct_size = sizeof quality;
+    if (const votess_status status = votess_measure_pieces(&arrays, &quality); status != VOTESS_OK)
+        throw_last_error(status, "");
+    print_quality(file, quality);
 }
 
 template <typename Number>
@@ -243,6 +265,7 @@ void write_obj(OutputFile& file, const OutputData& data) {
 }
 
 void write_msh(OutputFile& file, const OutputData& data) {
+    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".msh");
     write(file, data, mesh_of(data), ".msh");
 }
 
@@ -255,6 +278,7 @@ void write_tess(OutputFile& file, const OutputData& data) {
 
 // The file itself is empty, as ParaView wants it. The folder constant/polyMesh beside it has the mesh.
 void write_foam(OutputFile& file, const OutputData& data) {
+    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".foam");
     votess_mesh mesh = mesh_of(data);
     mesh.min_edge = data.min_edge;
     write(file, data, mesh, ".foam");
@@ -263,14 +287,12 @@ void write_foam(OutputFile& file, const OutputData& data) {
     if (!data.reports_size) return;
     if (const votess_status status = votess_measure_mesh(&mesh, &quality); status != VOTESS_OK)
         throw_last_error(status, "");
-    std::fprintf(stderr,
-                 "%s has non-orthogonality up to %.3g degrees, mean %.3g, skewness up to %.3g, edges from %.3g on\n",
-                 file.description().c_str(), quality.max_non_orthogonality, quality.mean_non_orthogonality,
-                 quality.max_skewness, quality.min_edge);
+    print_quality(file, quality);
 }
 
 void write_stl(OutputFile& file, const OutputData& data) {
-    write_pieces(file, data, ".stl");
+    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".stl");
+    write(file, data, mesh_of(data), ".stl");
 }
 
 void write_3mf(OutputFile& file, const OutputData& data) {

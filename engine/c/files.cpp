@@ -7,6 +7,7 @@
 
 #include "c/handles.hpp"
 #include "c/piece_arrays.hpp"
+#include "files/joined_pieces.hpp"
 #include "files/mesh.hpp"
 #include "files/pieces.hpp"
 #include "files/shared_mesh.hpp"
@@ -53,6 +54,12 @@ std::span<const std::int32_t> indices(const std::int32_t* values, std::uint64_t 
                std::to_string(*wrong) + ", but there are " + std::to_string(end) + " " + things);
     }
     return result;
+}
+
+double checked_length(double given, const char* name) {
+    if (!(given >= 0 && std::isfinite(given)))
+        refuse(std::string(name) + " is " + std::to_string(given) + ": give a length from 0 on");
+    return given;
 }
 
 files::Column column(const votess_column& given, std::uint64_t cells) {
@@ -127,9 +134,7 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     for (std::size_t k = 0; k < 3 && !mesh.skewed; ++k) mesh.edges[4 * k] = box.upper[k] - box.lower[k];
     if (given.seeds != nullptr) mesh.seeds = {given.seeds, static_cast<std::size_t>(3 * given.cells)};
     if (given.weights != nullptr) mesh.weights = {given.weights, static_cast<std::size_t>(given.cells)};
-    if (!(given.min_edge >= 0 && std::isfinite(given.min_edge)))
-        refuse("mesh.min_edge is " + std::to_string(given.min_edge) + ": give a length from 0 on");
-    mesh.min_edge = given.min_edge;
+    mesh.min_edge = checked_length(given.min_edge, "mesh.min_edge");
     mesh.short_edges = given.short_edges;
     if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};
     for (const votess_column& one : array(given.columns, given.column_count, "columns"))
@@ -154,13 +159,12 @@ struct Format {
 
 constexpr Format<files::Mesh> mesh_formats[] = {
     {".vtu", files::write_vtu},   {".ply", files::write_ply},   {".obj", files::write_obj}, {".glb", files::write_glb},
-    {".foam", files::write_foam}, {".tess", files::write_tess}, {".msh", files::write_msh}};
+    {".foam", files::write_foam}, {".tess", files::write_tess}, {".msh", files::write_msh}, {".stl", files::write_stl}};
 
-constexpr Format<files::Pieces> piece_formats[] = {{".glb", files::write_pieces_glb},
-                                                   {".obj", files::write_pieces_obj},
-                                                   {".stl", files::write_pieces_stl},
-                                                   {".3mf", files::write_pieces_3mf},
-                                                   {".geojson", files::write_pieces_geojson}};
+constexpr Format<files::Pieces> piece_formats[] = {
+    {".glb", files::write_pieces_glb},        {".obj", files::write_pieces_obj},   {".stl", files::write_pieces_stl},
+    {".3mf", files::write_pieces_3mf},        {".foam", files::write_pieces_foam}, {".msh", files::write_pieces_msh},
+    {".geojson", files::write_pieces_geojson}};
 
 template <class Arrays>
 void write_format(std::span<const Format<Arrays>> formats, std::string_view name, const Arrays& arrays,
@@ -173,6 +177,48 @@ void write_format(std::span<const Format<Arrays>> formats, std::string_view name
     }
     found->write(arrays, out);
     out.flush();
+}
+
+votess_mesh_quality quality_of(const files::Mesh& mesh) {
+    const files::SharedMesh shared(mesh);
+    const files::MeshQuality q = files::measure(shared);
+    votess_mesh_quality out{};
+    out.struct_size = sizeof out;
+    out.cells = shared.cells();
+    out.faces = shared.faces.size();
+    out.internal_faces = shared.inner();
+    out.vertices = shared.vertices.size() / 3;
+    out.max_non_orthogonality = q.max_non_orthogonality;
+    out.mean_non_orthogonality = q.mean_non_orthogonality;
+    out.severe_faces = q.severe_faces;
+    out.max_skewness = q.max_skewness;
+    out.skew_faces = q.skew_faces;
+    out.min_area = q.min_area;
+    out.min_volume = q.min_volume;
+    out.min_edge = q.min_edge;
+    out.wrong_faces = q.wrong_faces;
+    out.wrong_cells = q.wrong_cells;
+    out.short_edges = shared.short_edges;
+    return out;
+}
+
+// Pieces are joined by what lies beyond their triangles.
+void check_joined(const files::Pieces& pieces) {
+    if (pieces.sources.empty() && !pieces.triangles.empty()) refuse("pieces.sources is NULL");
+    if (!std::ranges::all_of(pieces.vertices, [](double x) { return std::isfinite(x); }))
+        refuse("pieces.vertices must be finite");
+    for (std::size_t t = 0; t < pieces.sources.size(); ++t) {
+        const std::int32_t source = pieces.sources[t];
+        if (source < 0 || (pieces.on_surface[t] == 0 && static_cast<std::size_t>(source) >= pieces.ids.size()))
+            refuse("pieces.sources[" + std::to_string(t) + "] is " + std::to_string(source) + ", but there are " +
+                   std::to_string(pieces.ids.size()) + " rows: give the pieces of all cells");
+    }
+}
+
+void check_quality(const votess_mesh_quality* quality) {
+    require(quality, "quality");
+    require_struct_size(quality->struct_size, sizeof *quality, "quality.struct_size",
+                        "give sizeof(votess_mesh_quality)");
 }
 
 votess_mesh mesh_of(const votess_mesh* mesh) {
@@ -213,6 +259,8 @@ files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::
         refuse("pieces.on_surface must hold 0 and 1");
     if (given.sources != nullptr) pieces.sources = {given.sources, triangles};
     pieces.centroids = array(given.centroids, dimensions * count, "centroids", "pieces");
+    pieces.min_edge = checked_length(given.min_edge, "pieces.min_edge");
+    pieces.short_edges = given.short_edges;
     return pieces;
 }
 
@@ -235,31 +283,20 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
 votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* quality) {
     return guarded([&] {
         const votess_mesh given = mesh_of(mesh);
-        require(quality, "quality");
-        require_struct_size(quality->struct_size, sizeof *quality, "quality.struct_size",
-                            "give sizeof(votess_mesh_quality)");
+        check_quality(quality);
         if (given.planar != 0) refuse("mesh.planar is set, but quality is that of cells in space");
         const CheckedMesh checked_mesh = checked(given, true);
-        const files::SharedMesh shared(checked_mesh.mesh);
-        const files::MeshQuality q = files::measure(shared);
-        votess_mesh_quality out{};
-        out.struct_size = sizeof out;
-        out.cells = shared.cells();
-        out.faces = shared.faces.size();
-        out.internal_faces = shared.inner();
-        out.vertices = shared.vertices.size() / 3;
-        out.max_non_orthogonality = q.max_non_orthogonality;
-        out.mean_non_orthogonality = q.mean_non_orthogonality;
-        out.severe_faces = q.severe_faces;
-        out.max_skewness = q.max_skewness;
-        out.skew_faces = q.skew_faces;
-        out.min_area = q.min_area;
-        out.min_volume = q.min_volume;
-        out.min_edge = q.min_edge;
-        out.wrong_faces = q.wrong_faces;
-        out.wrong_cells = q.wrong_cells;
-        out.short_edges = shared.short_edges;
-        *quality = out;
+        *quality = quality_of(checked_mesh.mesh);
+    });
+}
+
+votess_status votess_measure_pieces(const votess_piece_arrays* pieces, votess_mesh_quality* quality) {
+    return guarded([&] {
+        check_quality(quality);
+        const files::Pieces arrays = checked_pieces(pieces, 3);
+        check_joined(arrays);
+        const files::JoinedPieces joined(arrays);
+        *quality = quality_of(joined.mesh());
     });
 }
 
@@ -270,6 +307,7 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
         require(format, "format");
         const std::string_view name = format;
         const files::Pieces arrays = checked_pieces(pieces, name == ".geojson" ? 2 : 3);
+        if (name == ".foam" || name == ".msh") check_joined(arrays);
         files::ByteSink out = sink(write, user);
         write_format<files::Pieces>(piece_formats, name, arrays, out);
     });

@@ -39,9 +39,12 @@ public:
             for (std::size_t f = patch.first; f < patch.first + patch.count; ++f) {
                 if (patch.wall == 0) twins_[f] = mesh.patches[patch.twin].first + f - patch.first;
                 for (const std::int32_t v : polygons_[f])
-                    if (patch.wall != 0 && (walls_[at(v)].empty() || walls_[at(v)].back() != p))
-                        walls_[at(v)].push_back(p);
+                    if (patch.wall != 0) walls_[at(v)].push_back(mesh.planes[f]);
             }
+        }
+        for (auto& walls : walls_) {
+            std::ranges::sort(walls);
+            walls.erase(std::ranges::unique(walls).begin(), walls.end());
         }
     }
 
@@ -295,6 +298,7 @@ private:
     // Writes the polygons back, without those that vanished.
     void store() {
         std::vector<SharedFace> faces;
+        std::vector<std::int32_t> planes;
         mesh_.offsets.assign(1, 0);
         mesh_.corners.clear();
         std::vector<std::size_t> begins(polygons_.size() + 1);
@@ -302,6 +306,7 @@ private:
             begins[f] = faces.size();
             if (polygons_[f].empty()) continue;
             faces.push_back(mesh_.faces[f]);
+            planes.push_back(mesh_.planes[f]);
             mesh_.corners.insert(mesh_.corners.end(), polygons_[f].begin(), polygons_[f].end());
             mesh_.offsets.push_back(static_cast<std::int64_t>(mesh_.corners.size()));
         }
@@ -312,6 +317,7 @@ private:
             patch.count = end - patch.first;
         }
         mesh_.faces = std::move(faces);
+        mesh_.planes = std::move(planes);
         mesh_.drop_unused_vertices();
     }
 
@@ -320,7 +326,7 @@ private:
     std::vector<Vector3> areas_;                      // of the faces as they were
     std::vector<std::size_t> twins_;                  // of faces at a periodic boundary, else none
     std::vector<std::vector<std::size_t>> faces_of_;  // each vertex
-    std::vector<std::vector<std::size_t>> walls_;     // patches of each vertex, ascending
+    std::vector<std::vector<std::int32_t>> walls_;    // planes at the boundary of each vertex, ascending
     CellFaces cells_;
 };
 

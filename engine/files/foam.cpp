@@ -31,7 +31,7 @@ void put_patch(const Mesh& given, const SharedMesh& mesh, const Patch& patch, By
     } else {
         out.put("        type cyclic;\n        transform translational;\n        neighbourPatch " +
                 mesh.patches[patch.twin].name(given) + ";\n        separationVector ");
-        put_vector(out, mesh.separation(patch));
+        put_vector(out, mesh.separation(mesh.patches[patch.twin]));  // from this patch to its twin
         out.put(";\n");
     }
     out.put("        nFaces " + std::to_string(patch.count) + ";\n        startFace " + std::to_string(patch.first) +

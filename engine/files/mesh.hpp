@@ -60,6 +60,11 @@ struct Mesh {
     std::uint64_t* short_edges = nullptr;  // receives the number of those that stay
     std::span<const double> seeds;         // 3 a cell, for .tess
     std::span<const double> weights;       // of the cells, for .tess; may be empty
+    // Of pieces of cells in a mesh, else empty. Two pieces may share several faces, whose order is the same in both,
+    // and sides of one piece may meet in an edge.
+    std::span<const std::int32_t> rows;    // the cell of each piece, ascending
+    std::span<const std::string> patches;  // names of the walls
+    std::span<const std::int32_t> planes;  // of the faces on walls: vertices stay on them
 
 private:
     static std::span<const std::int32_t> row(std::span<const std::int64_t> offsets,
@@ -78,5 +83,6 @@ void write_glb(const Mesh& mesh, ByteSink& out);
 void write_foam(const Mesh& mesh, ByteSink& out);
 void write_tess(const Mesh& mesh, ByteSink& out);
 void write_msh(const Mesh& mesh, ByteSink& out);
+void write_stl(const Mesh& mesh, ByteSink& out);
 
 }  // namespace votess::files

@@ -1,9 +1,8 @@
 // Gmsh's .msh 4.1: the surfaces of all cells in triangles, with the topology that a mesher of volumes needs. Each
 // vertex, edge, face and cell is an entity; cells have no elements yet.
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
+#include "core/at.hpp"
 #include "core/box.hpp"
 #include "files/shared_mesh.hpp"
 
@@ -15,47 +14,13 @@ void put_box(ByteSink& out, const Box& box) {
     for (const double x : box.upper) put_next(out, x);
 }
 
-// Returns the corner whose fan of triangles has the thickest thinnest triangle. Thickness is the area, divided by the
-// square of the longest side.
-std::size_t best_apex(const SharedMesh& mesh, std::size_t face) {
-    const auto polygon = mesh.polygon(face);
-    const std::size_t n = polygon.size();
-    std::size_t best = 0;
-    double best_ratio = -1;
-    for (std::size_t apex = 0; apex < n; ++apex) {
-        double least = std::numeric_limits<double>::infinity();
-        const Vector3 origin = mesh.vertex(polygon[apex]);
-        for (std::size_t k = 1; k + 1 < n; ++k) {
-            const Vector3 a = minus(mesh.vertex(polygon[(apex + k) % n]), origin),
-                          b = minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin), c = minus(b, a),
-                          area = cross(a, b);
-            const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
-            least = std::min(least, longest > 0 ? std::sqrt(dot(area, area)) / longest : 0);
-        }
-        if (least > best_ratio) best_ratio = least, best = apex;
-    }
-    return best;
-}
-
-// Returns the apex of each face. Both sides of a periodic boundary have the same triangles.
-std::vector<std::size_t> apexes(const SharedMesh& mesh) {
-    std::vector<std::size_t> result(mesh.faces.size());
-    for (std::size_t f = 0; f < result.size(); ++f) result[f] = best_apex(mesh, f);
-    for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
-        const Patch &patch = mesh.patches[p], &twin = mesh.patches[patch.twin];
-        if (patch.twin >= p) continue;
-        for (std::size_t k = 0; k < patch.count; ++k) {
-            const std::size_t corners = mesh.polygon(patch.first + k).size();
-            result[patch.first + k] = (corners - result[twin.first + k]) % corners;
-        }
-    }
-    return result;
-}
-
 class MshWriter {
 public:
-    MshWriter(const Mesh& given, ByteSink& out)
-        : given_(given), mesh_(given), edges_(mesh_), cells_(mesh_), out_(out) {}
+    MshWriter(const Mesh& given, ByteSink& out) : given_(given), mesh_(given), edges_(mesh_), cells_(mesh_), out_(out) {
+        for (std::size_t f = 0; f < mesh_.inner(); ++f) pairs_.push_back(pair_of(f));
+        std::ranges::sort(pairs_);
+        pairs_.erase(std::ranges::unique(pairs_).begin(), pairs_.end());
+    }
 
     void write() {
         out_.put("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");
@@ -67,19 +32,29 @@ public:
 
 private:
     [[nodiscard]] std::size_t vertices() const { return mesh_.vertices.size() / 3; }
-    // Returns the physical surface of a face: inner ones first, then the patches.
+    // Returns the physical surface of a face: pairs of cells first, then the patches.
     [[nodiscard]] std::size_t group_of(std::size_t face) const {
-        if (face < mesh_.inner()) return face + 1;
+        if (face < mesh_.inner())
+            return static_cast<std::size_t>(std::ranges::lower_bound(pairs_, pair_of(face)) - pairs_.begin()) + 1;
         const auto patch = std::ranges::upper_bound(mesh_.patches, face, {}, &Patch::first);
-        return mesh_.inner() + static_cast<std::size_t>(patch - mesh_.patches.begin());
+        return pairs_.size() + static_cast<std::size_t>(patch - mesh_.patches.begin());
     }
-    [[nodiscard]] std::string row_of(std::int32_t cell) const {
-        return std::to_string(mesh_.rows[static_cast<std::size_t>(cell)]);
+    // Returns the row of a cell, which several pieces may have.
+    [[nodiscard]] std::size_t row_of(std::size_t cell) const {
+        const std::size_t row = mesh_.rows[cell];
+        return given_.rows.empty() ? row : at(given_.rows[row]);
+    }
+    [[nodiscard]] std::array<std::size_t, 2> pair_of(std::size_t face) const {
+        const std::size_t own = row_of(at(mesh_.faces[face].owner)), other = row_of(at(mesh_.faces[face].neighbor));
+        return {std::min(own, other), std::max(own, other)};
     }
 
     void put_names() {
         out_.put("$PhysicalNames\n");
-        out_.put_number(mesh_.inner() + mesh_.patches.size() + mesh_.cells());
+        std::vector<std::size_t> rows;
+        for (std::size_t i = 0; i < mesh_.cells(); ++i)
+            if (rows.empty() || rows.back() != row_of(i)) rows.push_back(row_of(i));
+        out_.put_number(pairs_.size() + mesh_.patches.size() + rows.size());
         std::size_t tag = 0;
         const auto put = [&](int dimension, std::size_t number, const std::string& name) {
             out_.put("\n");
@@ -87,10 +62,9 @@ private:
             put_next(out_, number);
             out_.put(" \"" + name + "\"");
         };
-        for (std::size_t f = 0; f < mesh_.inner(); ++f)
-            put(2, ++tag, row_of(mesh_.faces[f].owner) + " " + row_of(mesh_.faces[f].neighbor));
+        for (const auto& [own, other] : pairs_) put(2, ++tag, std::to_string(own) + " " + std::to_string(other));
         for (const Patch& patch : mesh_.patches) put(2, ++tag, patch.name(given_));
-        for (const std::size_t row : mesh_.rows) put(3, row + 1, "cell " + std::to_string(row));
+        for (const std::size_t row : rows) put(3, row + 1, "cell " + std::to_string(row));
         out_.put("\n$EndPhysicalNames\n");
     }
 
@@ -127,7 +101,7 @@ private:
                     include(bounds, mesh_.vertex(v));
             put_box(out_, bounds);
             out_.put(" 1");
-            put_next(out_, mesh_.rows[i] + 1);
+            put_next(out_, row_of(i) + 1);
             put_next(out_, cells_.of(i).size());
             for (const std::int32_t face : cells_.of(i)) put_next(out_, face);
         }
@@ -202,6 +176,7 @@ private:
     SharedMesh mesh_;
     SharedEdges edges_;
     CellFaces cells_;
+    std::vector<std::array<std::size_t, 2>> pairs_;  // rows of cells that touch
     ByteSink& out_;
 };
 

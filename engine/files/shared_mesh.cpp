@@ -1,6 +1,7 @@
 #include "files/shared_mesh.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <tuple>
 
@@ -53,7 +54,8 @@ Sides sides_of(const Mesh& mesh) {
                 sides.backs.push_back({back, other, cell, k});
         }
     }
-    for (auto* const half : {&sides.fronts, &sides.backs}) std::ranges::sort(*half, {}, &Side::key);
+    for (auto* const half : {&sides.fronts, &sides.backs})
+        std::ranges::sort(*half, {}, [](const Side& s) { return std::tuple_cat(s.key(), std::tie(s.entry)); });
     std::ranges::sort(sides.walls, {}, [](const Side& s) { return std::tuple(-s.to, s.from, s.entry); });
     return sides;
 }
@@ -70,7 +72,8 @@ void check_pairs(const Sides& sides) {
            " has the face between them: give all cells of the diagram");
 }
 
-// Throws unless each edge has two faces, which run along it in opposite directions.
+// Throws unless each edge has two faces, which run along it in opposite directions. In pieces it may have several
+// pairs.
 void check_closed(const Mesh& mesh) {
     struct Edge {
         std::int32_t low, high;
@@ -87,16 +90,41 @@ void check_closed(const Mesh& mesh) {
                 edges.push_back({std::min(a, b), std::max(a, b), a < b});
             }
         }
-        std::ranges::sort(edges, {}, [](const Edge& e) { return std::tie(e.low, e.high, e.ascends); });
-        bool closed = edges.size() % 2 == 0;
-        for (std::size_t e = 0; closed && e < edges.size(); e += 2)
-            closed = edges[e].low == edges[e + 1].low && edges[e].high == edges[e + 1].high &&
-                     edges[e].ascends != edges[e + 1].ascends && edges[e].low != edges[e].high &&
-                     (e == 0 || edges[e - 1].low != edges[e].low || edges[e - 1].high != edges[e].high);
+        std::ranges::sort(edges, {}, [](const Edge& e) { return std::tie(e.low, e.high); });
+        bool closed = true;
+        for (std::size_t begin = 0, end = 0; closed && begin < edges.size(); begin = end) {
+            const Edge& first = edges[begin];
+            int turns = 0;
+            for (; end < edges.size() && edges[end].low == first.low && edges[end].high == first.high; ++end)
+                turns += edges[end].ascends ? 1 : -1;
+            closed = turns == 0 && first.low != first.high && (end - begin == 2 || !mesh.rows.empty());
+        }
         if (!closed)
             refuse("cell " + text_of(i) + " is not closed, because it lacks a face: leave out " + option("min_face") +
                    " and " + option("min_area"));
     }
+}
+
+// Returns the corner whose fan of triangles has the thickest thinnest triangle. Thickness is the area, divided by the
+// square of the longest side.
+std::size_t best_apex(const SharedMesh& mesh, std::size_t face) {
+    const auto polygon = mesh.polygon(face);
+    const std::size_t n = polygon.size();
+    std::size_t best = 0;
+    double best_ratio = -1;
+    for (std::size_t apex = 0; apex < n; ++apex) {
+        double least = std::numeric_limits<double>::infinity();
+        const Vector3 origin = mesh.vertex(polygon[apex]);
+        for (std::size_t k = 1; k + 1 < n; ++k) {
+            const Vector3 a = minus(mesh.vertex(polygon[(apex + k) % n]), origin),
+                          b = minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin), c = minus(b, a),
+                          area = cross(a, b);
+            const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
+            least = std::min(least, longest > 0 ? std::sqrt(dot(area, area)) / longest : 0);
+        }
+        if (least > best_ratio) best_ratio = least, best = apex;
+    }
+    return best;
 }
 
 }  // namespace
@@ -110,6 +138,7 @@ std::string Patch::name(const Mesh& mesh) const {
     }
     if (mesh.left_out && wall == -1) return "open";
     const auto k = static_cast<std::size_t>(-static_cast<std::int64_t>(wall)) - 1;
+    if (!mesh.patches.empty()) return mesh.patches[k];
     return k < names.size() ? names[k] : "wall" + std::to_string(k + 1);
 }
 
@@ -183,6 +212,7 @@ SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
 
 void SharedMesh::add_face(const Mesh& mesh, std::size_t entry, std::int32_t owner, std::int32_t neighbor) {
     faces.push_back({owner, neighbor});
+    planes.push_back(mesh.planes.empty() ? mesh.indices[entry] : mesh.planes[entry]);
     const auto polygon = mesh.polygon(entry);
     corners.insert(corners.end(), polygon.begin(), polygon.end());
     offsets.push_back(static_cast<std::int64_t>(corners.size()));
@@ -250,6 +280,20 @@ void SharedMesh::drop_unused_vertices() {
     vertices.resize(3 * static_cast<std::size_t>(count));
     moved.resize(static_cast<std::size_t>(count));
     for (std::int32_t& v : corners) v = number[static_cast<std::size_t>(v)];
+}
+
+std::vector<std::size_t> apexes(const SharedMesh& mesh) {
+    std::vector<std::size_t> result(mesh.faces.size());
+    for (std::size_t f = 0; f < result.size(); ++f) result[f] = best_apex(mesh, f);
+    for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
+        const Patch &patch = mesh.patches[p], &twin = mesh.patches[patch.twin];
+        if (patch.twin >= p) continue;
+        for (std::size_t k = 0; k < patch.count; ++k) {
+            const std::size_t corners = mesh.polygon(patch.first + k).size();
+            result[patch.first + k] = (corners - result[twin.first + k]) % corners;
+        }
+    }
+    return result;
 }
 
 }  // namespace votess::files

@@ -26,7 +26,8 @@ struct Patch {
     std::size_t first, count;          // faces
     std::size_t twin;                  // the patch with the same faces on the other side; itself at a wall
 
-    // Returns xmin to zmax, wall7 and on, open for faces of cells that were left out, or periodic_1_0_0.
+    // Returns xmin to zmax, wall7 and on, open for faces of cells that were left out, periodic_1_0_0, or one of
+    // Mesh::patches.
     [[nodiscard]] std::string name(const Mesh& mesh) const;
 };
 
@@ -50,11 +51,12 @@ struct SharedMesh {
     // Numbers the remaining vertices again.
     void drop_unused_vertices();
 
-    std::vector<std::size_t> rows;    // of the cells: those with faces
-    std::vector<double> vertices;     // 3 each: those of the cells
-    std::vector<std::uint8_t> moved;  // of the vertices: 1 for one that others joined
-    std::uint64_t short_edges = 0;    // those below Mesh::min_edge that cannot be collapsed
-    std::vector<SharedFace> faces;    // inner ones ascend by owner, then by neighbor; then patch by patch
+    std::vector<std::size_t> rows;     // of the cells: those with faces
+    std::vector<double> vertices;      // 3 each: those of the cells
+    std::vector<std::uint8_t> moved;   // of the vertices: 1 for one that others joined
+    std::uint64_t short_edges = 0;     // those below Mesh::min_edge that cannot be collapsed
+    std::vector<std::int32_t> planes;  // of the faces: Mesh::planes, else the wall
+    std::vector<SharedFace> faces;     // inner ones ascend by owner, then by neighbor; then patch by patch
     std::vector<std::int64_t> offsets{0};
     std::vector<std::int32_t> corners;  // of the faces, counterclockwise seen from outside of the owner
     std::vector<Patch> patches;         // walls from -1 on, then periodic boundaries in pairs
@@ -87,6 +89,10 @@ private:
     std::vector<std::size_t> begins_;
     std::vector<std::int32_t> faces_;
 };
+
+// Returns the corner of each face where a fan of triangles begins that cuts it well. Both sides of a periodic boundary
+// have the same triangles.
+[[nodiscard]] std::vector<std::size_t> apexes(const SharedMesh& mesh);
 
 // Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra. Returns the number of the
 // edges that stay.

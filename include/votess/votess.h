@@ -496,7 +496,7 @@ typedef struct votess_mesh {
     double edges[9];        // a, b, c of a triclinic box; 0 for an axis-aligned one. For .foam and .tess
     const double* seeds;    // 3 * N, for .tess
     const double* weights;  // N, of a power diagram, for .tess; NULL for none
-    double min_edge;        // in .foam, .tess and .msh collapse edges below this length; 0 for none
+    double min_edge;        // in .foam, .tess, .msh and .stl collapse edges below this length; 0 for none
     uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
 } votess_mesh;
 
@@ -526,7 +526,8 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".tess": the tessellation of Neper, with seeds and weights; its domain must not be periodic
 //   - ".msh": surfaces in triangles, each once, for Gmsh. A physical volume for each cell, a physical surface for each
 //   pair of cells and each wall
-// The last three need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
+//   - ".stl": text, a solid for each cell, named by its row; two cells have the same triangles between them
+// The last four need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
 // edges may be collapsed by mesh.min_edge: the ends become one vertex, faces with two corners vanish, and cells stay
 // closed. An edge stays if a cell would not remain a polyhedron, or a vertex would leave its walls.
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
@@ -565,7 +566,9 @@ typedef struct votess_piece_arrays {
     const int32_t* triangles;         // 3 * triangle_offsets[P]
     const uint8_t* on_surface;        // triangle_offsets[P]
     const double* centroids;          // 3 * P
-    const int32_t* sources;           // triangle_offsets[P], or NULL: votess_render_pieces() reads them, for its lines
+    const int32_t* sources;  // triangle_offsets[P], or NULL: for .foam, .msh, and lines of votess_render_pieces()
+    double min_edge;         // in .foam and .msh, as votess_mesh has it; 0 for none
+    uint64_t* short_edges;   // receives the number of these edges that stay; may be NULL
 } votess_piece_arrays;
 
 // Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the
@@ -574,9 +577,15 @@ typedef struct votess_piece_arrays {
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
 //   - ".stl": binary; all pieces in one
+//   - ".foam", ".msh": one mesh of all pieces, as votess_write_mesh() writes it of whole cells. Corners at one place
+//   become one, and pieces share the polygons between them. Needs the sources, and the pieces of all cells, without a
+//   gap. Cell k of OpenFOAM is piece k. Physical volumes of Gmsh are the rows. A patch or physical surface for each
+//   connected part of the surface: "surface", or "surface1" and on
 //   - ".geojson": pieces of the plane, whose vertices and centroids have two components and whose triangles are edges
 VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
                                              votess_write_callback write, void* user);
+// Measures pieces as .foam holds them. Fails as votess_write_pieces() does for that. quality: struct_size must be set.
+VOTESS_API votess_status votess_measure_pieces(const votess_piece_arrays* pieces, votess_mesh_quality* quality);
 
 // Write walls around round bodies, see sphere_walls() in votess.hpp: 4 * faces numbers, as votess_options.walls.
 VOTESS_API votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls);

@@ -300,6 +300,9 @@ class SolverFiles(ReaderTest):
         volumes = [float(row) for row in self.rows("b.tess", "--outside", "keep", "--format", "%v")]
         self.assertAlmostEqual(sum(volumes), 2 / 6, places=9)
         self.assertAlmostEqual(volumes[1], 2 * 0.5**3 / 6, places=9)
+        self.assertNotIn("regularized", self.run_cli("a.tess").stdout)
+        self.put("r.tess", TESS.format(0, 0, "cube", CUBE_FACES).replace("0.000000000000     0\n", "0.000000000000     2\n"))
+        self.assertIn("regularized polyhedra, made again without", self.run_cli("r.tess").stdout)
         per = " **periodicity\n  *general\n   1 1 0\n   1.0 2.0 1.0\n***end"
         self.put("c.tess", TESS.format(0, 0, "cube", CUBE_FACES).replace("***end", per))
         self.assertEqual(json.loads(self.run_cli("c.tess", "--json").stdout)["domain"]["periodic"], [True, True, False])
@@ -344,12 +347,29 @@ class SolverFiles(ReaderTest):
         self.assertEqual((self.folder / "run/case.foam").read_bytes(), b"")
         self.assertIn("nCells:200 ", (mesh / "owner").read_text())
         self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 200)
+        self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-q", "-o", "a.stl")
+        self.assertEqual((self.folder / "a.stl").read_text().count("endsolid"), 200)
         before = (mesh / "points").read_bytes()
         lines = [(mesh / "points").read_text().count("\n")]
         self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-q", "-o", "run/case.foam", "--min-edge", "0.03")
         self.assertLess((mesh / "points").read_text().count("\n"), 0.9 * lines[0])
         self.run_cli("--random", "200", "--rng-seed", "2", "--box", "0,0,0,1,1,1", "-q", "-o", "run/case.foam")
         self.assertNotEqual((mesh / "points").read_bytes(), before)
+
+    def test_pieces_for_solvers(self):
+        self.put("tetra.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+        done = self.run_cli("--random", "30", "--mesh", "tetra.off", "-o", "case.foam", "-o", "a.msh")
+        self.assertIn("has non-orthogonality up to", done.stderr)
+        mesh = self.folder / "constant/polyMesh"
+        self.assertIn("nCells:30 ", (mesh / "owner").read_text())
+        self.assertIn("    surface\n    {\n        type patch;", (mesh / "boundary").read_text())
+        before = (mesh / "points").read_text().count("\n")
+        self.run_cli("--random", "30", "--mesh", "tetra.off", "-q", "-o", "case.foam", "--min-edge", "0.05")
+        self.assertLess((mesh / "points").read_text().count("\n"), 0.95 * before)
+        self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 30)
+        self.refuse("--random", "30", "--mesh", "tetra.off", "--gap", "0.1", "-o", "b.foam", says="--gap parts the pieces")
+        self.refuse("--random", "30", "--mesh", "tetra.off", "--min-edge", "0.1", "-o", "b.stl", says="add -o FILE in .foam or .msh")
+        self.refuse("--random", "30", "--mesh", "tetra.off", "-o", "b.tess", says="polygons of whole cells")
 
     def test_refusals(self):
         box = ["--random", "50", "--box", "0,0,0,1,1,1"]

@@ -232,7 +232,7 @@ class Mesh(CliTest):
         for more, says in [(["--gap", "1"], "add -o FILE in .glb"), (["--gap", "-1", "-o", "p.stl"], "negative"),
                            (["-o", "p.ply"], "whole cells"), (["-o", "p.glb", "--color", "x"], "materials")]:
             self.refuse(*run, *more, says=says)
-        self.refuse(points, "-o", "p.stl", says="add --mesh FILE")
+        self.refuse(points, "-o", "p.3mf", says="add --mesh FILE")
         self.refuse(points, "--gap", "1", "-o", "p.glb", says="--mesh")
 
     def test_replaces_the_domain_of_the_file(self):

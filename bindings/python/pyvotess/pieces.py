@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import operator
 import os
+import warnings
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _c_api
 from ._arguments import as_count, as_number, as_path
 from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
 from ._input import as_array, as_one_each
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from ._types import BoolArray, Float64Array, Int32Array, Int64Array
     from .export.image import Image
     from .export.viewer import View
+    from .stats import MeshQuality
 
-_FORMATS = (".glb", ".obj", ".stl", ".3mf", ".html")
+_FORMATS = (".glb", ".obj", ".stl", ".3mf", ".foam", ".msh", ".html")
 _FLAT_FORMATS = (".geojson",)
 
 
@@ -189,7 +190,35 @@ class Pieces:
 
         return view_of_pieces(self)
 
-    def save(self, path: Union[str, os.PathLike[str]], ids: Optional[npt.ArrayLike] = None) -> None:
+    def mesh_quality(self, min_edge: float = 0.0) -> MeshQuality:
+        """Returns how well the pieces suit solvers as a mesh with shared faces, as :meth:`save` writes it to .foam.
+
+        Raises ValueError for pieces of the plane, of some cells alone, and with a gap.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> vt.tessellate(points, mesh=solid).pieces().mesh_quality().wrong_cells
+        0
+        """
+        from .export.mesh_file import quality_of_pieces
+
+        self._check_joined("mesh_quality()")
+        return quality_of_pieces(self._arrays(self.ids), as_number(min_edge, "min_edge"))
+
+    def _arrays(self, ids: npt.NDArray[Any]) -> Dict[str, npt.NDArray[Any]]:
+        """Returns the arrays that files are made of."""
+        names = ("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids", "sources")
+        return {"ids": ids.astype(np.int64), **{name: getattr(self, name) for name in names}}
+
+    def _check_joined(self, caller: str) -> None:
+        if self.planar:
+            raise ValueError(f"{caller} needs pieces in three dimensions: these are polygons")
+        if not np.array_equal(self.ids, np.arange(len(self.ids))):
+            raise ValueError(f"{caller} needs the pieces of all cells: leave out only=")
+
+    def save(
+        self, path: Union[str, os.PathLike[str]], ids: Optional[npt.ArrayLike] = None, min_edge: float = 0.0
+    ) -> None:
         """Writes the pieces to a file, whole or not at all.
 
         Each piece is an object. Its name is the index of its seed, as in "17"; or "17.0", "17.1" if a cell has several.
@@ -199,19 +228,24 @@ class Pieces:
         - ``.obj``: with coordinates as given, and the names of the materials.
         - ``.3mf``: for printers, in millimeters.
         - ``.stl``: all pieces in one, without names and materials.
+        - ``.foam``, ``.msh``: one mesh of all pieces, with shared faces, for OpenFOAM and Gmsh, as :meth:`Tessellation.save`
+          writes it of whole cells. Corners at one place become one. Cell k of OpenFOAM is piece k; a physical volume of Gmsh
+          is the row of a seed. The surface is the patch ``surface``, or ``surface1`` and on where it is in several parts.
+          There must be no gap.
         - ``.html``: the page of :meth:`view`.
         - ``.geojson``: pieces of the plane alone, a feature for each cell.
 
-        ids : (N,) whole numbers to name cells by.
+        ids : (N,) whole numbers to name cells by; not for .foam and .msh.
+        min_edge : in .foam and .msh, as for :meth:`Tessellation.save`. Vertices stay on their triangles of the mesh.
 
-        Raises ValueError for an unknown extension, a wrong number of ids, and a file above 4 GiB; OSError when the file
-        cannot be written.
+        Raises ValueError for an unknown extension, a wrong number of ids, a file above 4 GiB, and for .foam and .msh when
+        pieces do not share their faces; OSError when the file cannot be written.
 
         >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
         >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
         >>> vt.tessellate(points, mesh=solid).pieces(gap=0.01).save("pieces.glb")
         """
-        from .export.mesh_file import write_by
+        from .export.mesh_file import short_edges_stay, write_pieces
         from .export.whole_file import whole_file
 
         file = as_path(path, "path")
@@ -226,14 +260,22 @@ class Pieces:
                 f"ids have shape {numbers.shape} and type {numbers.dtype}: give a whole number for each of the "
                 f"{len(self.ids)} cells"
             )
+        joined = extension in (".foam", ".msh")
+        length = as_number(min_edge, "min_edge")
+        if joined:
+            self._check_joined(f"a {extension} file")
+        elif length:
+            raise ValueError(f"{extension} keeps all edges, and min_edge is given: .foam and .msh collapse short ones")
+        if joined and ids is not None:
+            raise ValueError(f"a {extension} file numbers cells by their rows: leave out ids")
         if extension == ".html":
             replace(self, ids=numbers.astype(np.int64)).view().save(file)
             return
-        names = ("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids")
-        arrays = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
-        given = _c_api.PieceArrays(rows=len(self.ids), ids=np.ascontiguousarray(numbers, np.int64), **arrays)
         with whole_file(file) as temporary:
-            write_by(lambda write: lib.votess_write_pieces(given, extension.encode(), write, None), temporary)
+            folder = os.path.dirname(os.path.realpath(file))
+            kept = write_pieces(temporary, extension, self._arrays(numbers), length, folder)
+        if kept:
+            warnings.warn(short_edges_stay(kept, length), stacklevel=2)
 
 
 def make_pieces(

@@ -249,10 +249,11 @@ class Tessellation(SeedCells):
         return make_shapes(self if self.least_face == 0 else self._with_all_faces(), open)
 
     def mesh_quality(self, open: Optional[str] = None, min_edge: float = 0.0) -> MeshQuality:
-        """Returns how well the cells suit solvers, as OpenFOAM's checkMesh measures it. Needs "faces" in want.
+        """Returns how well the cells suit solvers, as OpenFOAM's checkMesh measures it. Needs "faces" in want, except in a mesh.
 
-        ``open``: "skip" leaves out cells that reach infinity, which else are refused. ``min_edge``: as for :meth:`save`. Raises ValueError in the plane, in a mesh,
-        with ``only``, and where ``min_face`` or ``min_area`` dropped faces.
+        ``open``: "skip" leaves out cells that reach infinity, which else are refused. ``min_edge``: as for :meth:`save`. In a
+        mesh these are the numbers of its pieces. Raises ValueError in the plane, with ``only``, and where ``min_face`` or
+        ``min_area`` dropped faces.
 
         >>> t.mesh_quality().wrong_cells
         0
@@ -261,6 +262,8 @@ class Tessellation(SeedCells):
         from .export.geometry import mesh_of
         from .export.mesh_file import mesh_quality
 
+        if self.in_mesh and not self.planar:
+            return self.pieces().mesh_quality(min_edge)
         mesh_of(self, "mesh_quality()", False, True, open)
         return mesh_quality(self, open is not None, as_number(min_edge, "min_edge"))
 
@@ -410,25 +413,27 @@ class Tessellation(SeedCells):
           number of vertices, as meshio needs; ``id`` is the seed.
         - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
         - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
+        - ``.stl``: text, a solid for each cell, named by its seed. Two cells have the same triangles between them.
         - ``.foam``: a mesh of OpenFOAM. The file is empty, as ParaView wants it; the mesh is in the folder
           ``constant/polyMesh`` beside it. Each wall is a patch, and a periodic boundary a pair of cyclic patches.
         - ``.tess``: a tessellation of Neper with seeds and weights; not of a periodic domain.
         - ``.msh``: surfaces in triangles, each once, which Gmsh meshes into tetrahedra. Each cell is a physical volume, each
           pair of cells and each wall a physical surface.
+          In a mesh .foam and .msh hold the pieces of :meth:`pieces`, and the surface is a patch.
         - ``.html``: the page of :meth:`view`, about 350 bytes for a cell of random points.
 
         ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu; (N,) for .html.
         ``color``: for .glb, .html, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
-        ``min_edge``: in .foam, .tess and .msh the ends of edges below this length become one vertex, and faces with two
+        ``min_edge``: in .foam, .tess, .msh and .stl the ends of edges below this length become one vertex, and faces with two
         corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, because a cell would not
         remain a polyhedron.
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
         names them.
 
         Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, a .glb above 4 GiB, and for
-        .foam, .tess and .msh where ``min_face`` or ``min_area`` dropped faces;
+        .foam, .tess, .msh and .stl where ``min_face`` or ``min_area`` dropped faces;
         ImportError without h5py for .h5; OSError when the file cannot be written.
 
         >>> t.save("cells.npz")

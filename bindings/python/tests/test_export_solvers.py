@@ -1,11 +1,13 @@
 """Meshes for solvers and meshers: .foam, .tess and .msh, read back by plain code, VTK and Gmsh, and their quality."""
 
 import re
+import shutil
+import subprocess
 import unittest
 import warnings
 
 import numpy as np
-from helpers import CELL, CUBE, UNIT_BOX, Folder, cells, have, lattice, uniform
+from helpers import CELL, CUBE, ELL, UNIT_BOX, Folder, cells, have, lattice, uniform
 
 import pyvotess as vt
 
@@ -39,7 +41,7 @@ def area_and_center(corners):
     return area, corners[0] + shares @ (a + b) / 3
 
 
-class Foam(Folder):
+class FoamFolder(Folder):
     def read(self):
         """Returns points, faces, owner, neighbour, and the patches as a dict of dicts."""
         content = {}
@@ -63,6 +65,8 @@ class Foam(Folder):
             content[name + "_count"] for name in ("points", "faces", "owner", "neighbour", "boundary")))  # fmt: skip
         return points, faces, owner, neighbour, patches
 
+
+class Foam(FoamFolder):
     def check(self, t):
         """Checks the rules of checkMesh, and the volumes. Returns what read() does."""
         t.save(self.path("case.foam"))
@@ -114,11 +118,11 @@ class Foam(Folder):
                 continue
             twin = patches[patch["neighbourPatch"]]
             self.assertEqual((patch["type"], patch["transform"], twin["nFaces"]), ("cyclic", "translational", patch["nFaces"]))
-            apart = np.array(patch["separationVector"][1:-1].split(), float)
+            apart = np.array(patch["separationVector"][1:-1].split(), float)  # from here to the twin
             for k in range(begin, end):
                 other = faces[int(twin["startFace"]) + k - begin]
                 there = np.concatenate((other[:1], other[:0:-1]))  # the same corners, the first first
-                np.testing.assert_allclose(points[faces[k]] - apart, points[there], atol=1e-13)
+                np.testing.assert_allclose(points[faces[k]] + apart, points[there], atol=1e-13)
         self.assertEqual(end, len(faces))
         self.check_quality(t, mesh, held, areas, centers)
         return mesh
@@ -146,7 +150,7 @@ class Foam(Folder):
                         continue  # most of the twins
                     apart = np.array(patch["separationVector"][1:-1].split(), float)
                     twin = int(patches[patch["neighbourPatch"]]["startFace"]) + k - int(patch["startFace"])
-                    add(k, places[owner[k]], places[owner[twin]] + apart)
+                    add(k, places[owner[k]], places[owner[twin]] - apart)
                 else:
                     n = areas[k] / np.linalg.norm(areas[k])
                     off = (centers[k] - places[owner[k]]) - n @ (centers[k] - places[owner[k]]) * n
@@ -214,7 +218,7 @@ class Foam(Folder):
                             twin = int(patches[patch["neighbourPatch"]]["startFace"]) - part.start
                             for k in part:
                                 there = np.concatenate((faces[k + twin][:1], faces[k + twin][:0:-1]))
-                                np.testing.assert_allclose(points[faces[k]] - apart, points[there], atol=1e-13)
+                                np.testing.assert_allclose(points[faces[k]] + apart, points[there], atol=1e-13)
                         elif t.cell is None:
                             side = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax").index(name)
                             corners = points[np.unique(np.concatenate([faces[k] for k in part]))]
@@ -262,7 +266,6 @@ class Foam(Folder):
     def test_refusals(self):
         for t, message in (
             (cells(min_face=0.1), "cell .* is not closed, because it lacks a face: leave out min_face= and min_area="),
-            (vt.tessellate(uniform(20), mesh=CUBE), "holds polygons of whole cells"),
             (vt.tessellate(uniform(20)[:, :2], want="faces"), "three dimensions"),
             (cells(want="volumes"), "put 'faces' into want"),
             (cells(only=[3, 4]), "only="),
@@ -271,6 +274,156 @@ class Foam(Folder):
                 with self.assertRaisesRegex(ValueError, message if save == t.save else "faces|whole|only|space|three|closed"):
                     save(self.path("case.foam"))
         self.assertEqual([p.name for p in self.folder.rglob("*") if p.is_file()], [])
+
+
+def torus(n, m):
+    """Returns a torus of triangles around (1, 1, 0.4), with a hole along z."""
+    u, v = (2 * np.pi * np.arange(k) / k for k in (n, m))
+    r = 0.7 + 0.29 * np.cos(v)
+    places = np.stack((np.outer(np.cos(u), r), np.outer(np.sin(u), r), np.outer(np.ones(n), 0.29 * np.sin(v))), axis=-1)
+    at = np.arange(n * m).reshape(n, m)
+    right, up, both = np.roll(at, -1, 0), np.roll(at, -1, 1), np.roll(at, (-1, -1), (0, 1))
+    triangles = [np.stack((at, right, both), -1), np.stack((at, both, up), -1)]
+    return places.reshape(-1, 3) + [1, 1, 0.4], np.concatenate(triangles).reshape(-1, 3)
+
+
+def solids():
+    """Yields results in meshes: with flat and round surfaces, a cavity, cells in several pieces, images, and ties."""
+    radii = 0.3 * np.random.default_rng(5).random(40)
+    yield vt.tessellate(uniform(40), mesh=CUBE)
+    yield vt.tessellate(np.concatenate((uniform(40), uniform(2))), mesh=CUBE, radii=np.append(radii, radii[:2]))
+    yield vt.tessellate(2 * uniform(40), mesh=ELL)
+    yield vt.tessellate(2 * uniform(12, 4), mesh=torus(24, 10))
+    yield vt.tessellate(2 * uniform(2), mesh=torus(24, 10))
+    inner = 0.25 + CUBE[0] / 2
+    hollow = (np.concatenate((CUBE[0], inner)), np.concatenate((CUBE[1], CUBE[1][:, ::-1] + 8)))
+    yield vt.tessellate(uniform(40), mesh=hollow)
+    yield vt.tessellate(np.array([(0.5, 0.5, 0.5)]), mesh=hollow)
+    yield vt.tessellate(uniform(6), mesh=CUBE, box=(-0.5, -0.5, -0.5, 1.1, 1.1, 1.1), periodic=True)
+    yield vt.tessellate(uniform(1), mesh=(0.9 * CUBE[0], CUBE[1]), box=UNIT_BOX, periodic=True)
+    yield vt.tessellate(lattice(2) / 2, mesh=CUBE)  # planes meet on diagonals of faces
+    yield vt.tessellate(lattice(4) / 4, mesh=CUBE)
+    yield vt.tessellate(lattice(3) / 1.5, mesh=ELL)
+
+
+class FoamOfPieces(FoamFolder):
+    def check(self, t):
+        """Checks closed cells, their volumes, pairs and patches. Returns what read() does."""
+        t.save(self.path("case.foam"))
+        points, faces, owner, neighbour, patches = mesh = self.read()
+        pieces = t.pieces()
+        inner, rows = len(neighbour), pieces.cells
+        self.assertEqual(sorted(set(owner) | set(neighbour)), list(range(len(pieces))))
+        pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
+        self.assertEqual(pairs, sorted(pairs), "upper-triangular order")
+        self.assertTrue((owner[:inner] < neighbour).all())
+        areas, volumes, edges = [], np.zeros(len(pieces)), [[] for _ in range(len(pieces))]
+        for k, face in enumerate(faces):
+            area, center = area_and_center(points[face])
+            areas.append(area)
+            self.assertEqual(len(set(face.tolist())), len(face))
+            np.testing.assert_allclose((points[face] - center) @ area, 0, atol=1e-9 * np.linalg.norm(area), err_msg="flat")
+            for cell, sign in ((owner[k], 1), (neighbour[k], -1)) if k < inner else ((owner[k], 1),):
+                volumes[cell] += sign * area @ (center - pieces.centroids[cell]) / 3
+                edges[cell] += [e[::sign] for e in zip(face.tolist(), np.roll(face, -1).tolist())]
+        np.testing.assert_allclose(volumes, pieces.volumes, rtol=1e-11)
+        for own in edges:
+            self.assertEqual(sorted(own), sorted((b, a) for a, b in own), "closed")
+        areas = np.linalg.norm(areas, axis=1)
+        self.assertGreater(areas.min(), 0)
+        # Pieces touch as their triangles say, and share as much.
+        of_pieces = np.repeat(np.arange(len(pieces)), np.diff(pieces.triangle_offsets))
+        corners = pieces.vertices[pieces.triangles + pieces.vertex_offsets[of_pieces][:, None]]
+        sizes = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+        expected = np.zeros((2, len(pieces), len(t)))
+        between = ~pieces.on_surface
+        np.add.at(expected[0], (of_pieces[between], pieces.sources[between]), sizes[between])
+        for k, (i, j) in enumerate(pairs):
+            expected[1, i, rows[j]] += areas[k]
+            expected[1, j, rows[i]] += areas[k]
+        np.testing.assert_allclose(expected[1], expected[0], atol=1e-11)
+        end = inner
+        for patch in patches.values():
+            self.assertEqual((patch["type"], int(patch["startFace"])), ("patch", end))
+            end += int(patch["nFaces"])
+        self.assertEqual(end, len(faces))
+        np.testing.assert_allclose(areas[inner:].sum(), sizes[pieces.on_surface].sum(), rtol=1e-11)
+        q = t.mesh_quality()
+        self.assertEqual((q.cells, q.faces, q.internal_faces, q.vertices),
+                         (len(pieces), len(faces), inner, len(points)))  # fmt: skip
+        return mesh
+
+    def test_pieces(self):
+        names = []
+        for number, t in enumerate(solids()):
+            with self.subTest(number):
+                names.append(list(self.check(t)[-1]))
+        self.assertEqual([len(n) for n in names], [1, 1, 1, 1, 1, 2, 2, 1, 1, 1, 1, 1])
+        self.assertEqual(names[5], ["surface1", "surface2"])
+
+    def test_short_edges_are_collapsed(self):
+        t = vt.tessellate(uniform(60), mesh=CUBE)
+        before = t.mesh_quality()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            t.save(self.path("case.foam"), min_edge=0.03)
+        points, faces, owner, neighbour, _ = self.read()
+        q = t.mesh_quality(min_edge=0.03)
+        self.assertEqual((q.vertices, q.faces, q.wrong_faces, q.wrong_cells), (len(points), len(faces), 0, 0))
+        self.assertLess(q.vertices, 0.95 * before.vertices)
+        self.assertEqual(len(caught), q.short_edges > 0)
+        self.assertTrue(set(map(tuple, CUBE[0])) <= set(map(tuple, points)), "corners of the mesh stay")
+        for face in faces[len(neighbour) :]:
+            on_side = [np.abs(points[face, k] - side).max() < 1e-13 for k in range(3) for side in (0, 1)]
+            self.assertTrue(any(on_side), "the surface stays flat")
+        fans = [np.cross(points[f[1:-1]], points[f[2:]]) @ points[f[0]] for f in faces[len(neighbour) :]]
+        np.testing.assert_allclose(np.concatenate(fans).sum() / 6, 1, rtol=1e-12)
+
+    def test_refusals(self):
+        t = vt.tessellate(uniform(20), mesh=CUBE)
+        some = vt.tessellate(uniform(20), mesh=CUBE, only=[3, 4])
+        step = np.array([(0.5, 0.5, 0.5), (0.5, 1.5, 0.5)])  # the plane between them lies in the surface
+        for save, message in (
+            (lambda: t.save(self.path("a.tess")), "holds polygons of whole cells"),
+            (lambda: t.pieces(gap=0.01).save(self.path("a.foam")), "do not share the face .* without a gap"),
+            (lambda: t.pieces(gap=0.01).mesh_quality(), "do not share the face"),
+            (lambda: some.pieces().save(self.path("a.msh")), "pieces of all cells: leave out only="),
+            (lambda: t.pieces().save(self.path("a.msh"), ids=range(20)), "leave out ids"),
+            (lambda: t.pieces().save(self.path("a.glb"), min_edge=1), ".glb keeps all edges"),
+            (lambda: t.pieces().save(self.path("a.msh"), min_edge=-1), "pieces.min_edge is -1"),
+            (lambda: vt.tessellate(step, mesh=ELL).save(self.path("a.foam")), "lies in the surface"),
+        ):
+            with self.assertRaisesRegex(ValueError, message):
+                save()
+        self.assertEqual([p.name for p in self.folder.rglob("*") if p.is_file()], [])
+
+
+@unittest.skipIf(shutil.which("checkMesh") is None, "OpenFOAM is not installed")
+class CheckMesh(Folder):
+    def check(self, t):
+        t.save(self.path("case.foam"), min_edge=0.02)
+        system = self.folder / "system"
+        system.mkdir(exist_ok=True)
+        for name, content in (
+            ("controlDict", "startTime 0; endTime 1; deltaT 1; writeInterval 1;"),
+            ("fvSchemes", "ddtSchemes {} gradSchemes {} divSchemes {} laplacianSchemes {} interpolationSchemes {} snGradSchemes {}"),
+            ("fvSolution", ""),
+        ):  # fmt: skip
+            head = f"FoamFile {{ version 2.0; format ascii; class dictionary; object {name}; }}\n"
+            (system / name).write_text(head + content)
+        done = subprocess.run(["checkMesh", "-case", str(self.folder)], capture_output=True, text=True)
+        self.assertIn("\nMesh OK.\n", done.stdout, done.stdout + done.stderr)
+        angle = float(re.search(r"non-orthogonality Max: (\S+)", done.stdout)[1])
+        np.testing.assert_allclose(t.mesh_quality(min_edge=0.02).max_non_orthogonality, angle, rtol=1e-4)
+
+    def test_cells_pass(self):
+        for options in ({}, {"periodic": True}, {"mesh": CUBE}):
+            domain = {"box": UNIT_BOX, **options} if "mesh" not in options else options
+            relaxed = vt.lloyd(uniform(100), steps=10, **domain).points
+            more = {} if "mesh" in options else {"want": WANT}
+            with self.subTest(options), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                self.check(vt.tessellate(relaxed, **domain, **more))
 
 
 def read_tess(path):
@@ -383,6 +536,35 @@ class Tess(Folder):
         self.check(vt.tessellate(uniform(1), box=UNIT_BOX, want=WANT))
 
 
+class Stl(Folder):
+    def test_solids(self):
+        for t in domains():
+            t.save(self.path("a.stl"))
+            text = (self.folder / "a.stl").read_text()
+            solids = re.findall(r"solid (\d+)\n(.*?)endsolid \1\n", text, re.S)
+            held = np.flatnonzero(t.volumes > 0)
+            self.assertEqual([int(name) for name, _ in solids], held.tolist())
+            seen = {}
+            for (name, facets), i in zip(solids, held):
+                numbers = np.array(re.findall(r"(?:normal|vertex) (\S+) (\S+) (\S+)", facets), float).reshape(-1, 4, 3)
+                normals, corners = numbers[:, 0], numbers[:, 1:]
+                area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+                np.testing.assert_allclose(np.linalg.norm(area, axis=1)[:, None] * normals, area, atol=1e-14)
+                a, b, c = np.moveaxis(corners - t.centroids[i], 1, 0)
+                np.testing.assert_allclose(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, t.volumes[i], rtol=1e-12)
+                places = [tuple(map(tuple, f)) for f in corners]
+                edges = [(f[k], f[(k + 1) % 3]) for f in places for k in range(3)]
+                self.assertEqual(set(edges), {e[::-1] for e in edges}, "closed")
+                self.assertEqual(len(edges), len(set(edges)))
+                for f in places:
+                    seen.setdefault(frozenset(f), []).append(i)
+            if not any(t.periodic):
+                inner = sum((np.asarray(row) >= 0).sum() for row in t.neighbors) // 2
+                shared = [pair for pair in seen.values() if len(pair) == 2]
+                self.assertEqual(len({tuple(pair) for pair in shared}), inner, "two cells have the same triangles")
+                self.assertLessEqual(max(map(len, seen.values())), 2)
+
+
 class Msh(Folder):
     def read(self):
         """Returns names, the physical group of each surface, the surfaces of each volume, nodes and triangles."""
@@ -443,9 +625,12 @@ class Msh(Folder):
 
     @have("gmsh")
     def test_gmsh(self):
+        self.mesh_by_gmsh(cells(12))
+        self.mesh_by_gmsh(vt.tessellate(2 * uniform(8), mesh=ELL))
+
+    def mesh_by_gmsh(self, t):
         import gmsh
 
-        t = cells(12)
         t.save(self.path("a.msh"))
         gmsh.initialize(interruptible=False)
         try:
@@ -472,7 +657,7 @@ class Msh(Folder):
             unique, counts = np.unique(faces, axis=0, return_counts=True)
             self.assertLessEqual(counts.max(), 2)
             alone = nodes[unique[counts == 1]]
-            on_wall = [np.isclose(alone[:, :, k], side, rtol=0, atol=1e-9).all(axis=1) for k in range(3) for side in (0, 1)]
+            on_wall = [np.isclose(alone[:, :, k], side, rtol=0, atol=1e-9).all(axis=1) for k in range(3) for side in (0, 1, 2)]
             self.assertTrue(np.any(on_wall, axis=0).all())
         finally:
             gmsh.finalize()

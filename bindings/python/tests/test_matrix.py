@@ -362,10 +362,12 @@ class Outputs:
     def solver_file(self, name, pattern):
         with tempfile.TemporaryDirectory() as folder:
             more = {"open": "skip"} if self.kind.open else {}
-            self.run("neighbors,volumes,faces").save(Path(folder) / name, **more)
+            t = self.run("neighbors,volumes" if self.kind.in_mesh else "neighbors,volumes,faces")
+            t.save(Path(folder) / name, **more)
             path = Path(folder) / ("constant/polyMesh/owner" if name.endswith(".foam") else name)
             count = int(re.search(pattern, path.read_text())[1])
-        t = self.run("neighbors,volumes,faces")
+        if self.kind.in_mesh:
+            return count == len(t.pieces())
         return count == np.count_nonzero((t.volumes > 0) & np.isfinite(t.volumes))
 
     def foam(self):

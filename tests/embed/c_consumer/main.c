@@ -155,6 +155,11 @@ static int count_bytes(const votess_bytes* bytes, void* user) {
     return 1;
 }
 
+static int count_files(const votess_bytes* piece, void* user) {
+    *(int*)user += piece->file != NULL && piece->count > 0;
+    return 1;
+}
+
 // The result: eight cubes, each with three faces inside.
 static void check_pieces(const votess_result* result) {
     votess_pieces* pieces = NULL;
@@ -176,11 +181,26 @@ static void check_pieces(const votess_result* result) {
                                   ARRAY(pieces, pieces, "triangles", NULL),
                                   ARRAY(pieces, pieces, "on_surface", &length),
                                   ARRAY(pieces, pieces, "centroids", NULL),
-                                  ARRAY(pieces, pieces, "sources", NULL)};
+                                  ARRAY(pieces, pieces, "sources", NULL),
+                                  0,
+                                  NULL};
     CHECK(length == (size_t)arrays.triangle_offsets[8]);
     CHECK(ARRAY(pieces, pieces, "sources", &length) != NULL && length == (size_t)arrays.triangle_offsets[8]);
     uint64_t bytes = 0;
     CHECK(votess_write_pieces(&arrays, ".stl", count_bytes, &bytes) == VOTESS_OK && bytes == 84 + 50 * length);
+    int files = 0;
+    CHECK(votess_write_pieces(&arrays, ".foam", count_files, &files) == VOTESS_OK && files == 5);
+    votess_mesh_quality quality = {0};
+    CHECK_REFUSES(votess_measure_pieces(&arrays, &quality), "quality.struct_size");
+    quality.struct_size = sizeof quality;
+    CHECK(votess_measure_pieces(&arrays, &quality) == VOTESS_OK && quality.cells == 8 && quality.wrong_cells == 0);
+    const int32_t* const sources = arrays.sources;
+    arrays.sources = NULL;
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".foam", count_files, &files), "pieces.sources is NULL");
+    const int32_t far_away[3] = {-1, 8, 8};
+    arrays.sources = far_away;
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".foam", count_files, &files), "pieces.sources[0] is -1");
+    arrays.sources = sources;
     CHECK_REFUSES(votess_write_pieces(&arrays, ".vtu", count_bytes, &bytes), "known are .glb .obj .stl .3mf");
     CHECK_REFUSES(votess_write_pieces(&arrays, ".stl", NULL, NULL), "write");
     CHECK_REFUSES(votess_write_pieces(NULL, ".stl", count_bytes, &bytes), "pieces");
@@ -518,11 +538,6 @@ static void check_groups(void) {
     votess_groups_free(groups);
     votess_groups_free(NULL);
     CHECK_REFUSES(votess_groups_array(NULL, "labels", &last), "groups is NULL");
-}
-
-static int count_files(const votess_bytes* piece, void* user) {
-    *(int*)user += piece->file != NULL && piece->count > 0;
-    return 1;
 }
 
 static int take_bytes(const votess_bytes* piece, void* user) {

@@ -1,4 +1,4 @@
-"""Meshes as .vtu, .ply, .obj, .glb, .foam, .tess and .msh, written by the library."""
+"""Meshes as .vtu, .ply, .obj, .glb, .foam, .tess and .msh, and files of pieces, written by the library."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Optional
 import numpy as np
 
 from .. import _c_api
-from .._call import Callbacks, raise_on_failure
+from .._call import Callbacks, raise_on_failure, watched
 from .._library import lib
 from ..stats import MeshQuality
 from .whole_file import whole_file
@@ -41,7 +41,7 @@ def write_by(call: Callable[[Any], int], path: str, folder: str = "") -> None:
             return 1
 
         with Callbacks() as callbacks:
-            status = call(callbacks.guarded(_c_api.WriteCallback, write, 0))
+            status = watched(call, callbacks.guarded(_c_api.WriteCallback, write, 0))
         raise_on_failure(status)
 
 
@@ -85,13 +85,41 @@ def write_mesh(
     return kept.value
 
 
+def short_edges_stay(count: int, min_edge: float) -> str:
+    return f"{count} edges below min_edge={min_edge} stay: cells would not remain polyhedra"
+
+
 def mesh_quality(t: SeedCells, skip_open: bool, min_edge: float) -> MeshQuality:
     """Measures the cells of ``t``, a result with faces."""
     edges = np.zeros(9) if t.cell is None else t.cell
     mesh = _mesh_of(_arrays_of(t), {}, t.box, edges, skip_open=int(skip_open), min_edge=min_edge)
     measured = _c_api.MeshQuality()
-    raise_on_failure(lib.votess_measure_mesh(mesh, measured))
+    raise_on_failure(watched(lib.votess_measure_mesh, mesh, measured))
+    return _quality(measured)
+
+
+def _quality(measured: _c_api.MeshQuality) -> MeshQuality:
     return MeshQuality(**{name: getattr(measured, name) for name in MeshQuality.__dataclass_fields__})
+
+
+def _piece_arrays(arrays: Arrays, **options: float) -> _c_api.PieceArrays:
+    kept = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    return _c_api.PieceArrays(rows=len(kept["ids"]), **kept, **options)
+
+
+def write_pieces(path: str, extension: str, arrays: Arrays, min_edge: float = 0.0, folder: str = "") -> int:
+    """Writes pieces. ``folder``: of .foam. Returns the number of edges below ``min_edge`` that stay."""
+    kept = ctypes.c_uint64()
+    given = _piece_arrays(arrays, min_edge=min_edge, short_edges=ctypes.addressof(kept))
+    write_by(lambda write: lib.votess_write_pieces(given, extension.encode(), write, None), path, folder)
+    return kept.value
+
+
+def quality_of_pieces(arrays: Arrays, min_edge: float) -> MeshQuality:
+    """Measures pieces as one mesh."""
+    measured = _c_api.MeshQuality()
+    raise_on_failure(watched(lib.votess_measure_pieces, _piece_arrays(arrays, min_edge=min_edge), measured))
+    return _quality(measured)
 
 
 def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:

@@ -11,7 +11,7 @@ from .._arguments import as_number, as_path, as_word, require_one_of
 from .colors import COLORMAPS, cell_colors
 from .columns import VTU_NAMES, added_columns, named_columns, vtu_columns
 from .geometry import mesh_of
-from .mesh_file import write_mesh, write_pieces_of_cells
+from .mesh_file import short_edges_stay, write_mesh, write_pieces, write_pieces_of_cells
 from .optional import imported
 from .viewer import view
 from .whole_file import whole_file
@@ -38,6 +38,7 @@ _KINDS: Dict[str, _Kind] = {
     ".ply": _Kind(mesh=True, color=True),
     ".obj": _Kind(mesh=True),
     ".glb": _Kind(mesh=True, color=True),
+    ".stl": _Kind(mesh=True, edges=True),
     ".foam": _Kind(mesh=True, edges=True),
     ".tess": _Kind(mesh=True, edges=True),
     ".msh": _Kind(mesh=True, edges=True),
@@ -68,9 +69,10 @@ def _checked_kind(
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
     if kind.mesh and t.in_mesh and t.planar:
         raise ValueError(f"a {extension} file holds no polygons with holes: save t.pieces(), as .geojson")
-    if kind.mesh and t.in_mesh and extension not in (".vtu", ".html"):
+    if kind.mesh and t.in_mesh and extension not in (".vtu", ".html", ".foam", ".msh"):
         raise ValueError(
-            f"a {extension} file holds polygons of whole cells: write .vtu, or save t.pieces(), as .glb, .obj, .stl or .3mf"
+            f"a {extension} file holds polygons of whole cells: write .vtu, .foam or .msh, or save t.pieces(), as .glb, .obj, "
+            ".stl or .3mf"
         )
     if kind.mesh and not t.in_mesh:
         mesh_of(t, f"a {extension} file", kind.planar, True, open)
@@ -113,10 +115,14 @@ def save(
             arrays.write_h5(temporary, t, added)
         else:
             data = {**vtu_columns(t), **added} if extension == ".vtu" else {}
-            if t.in_mesh:
+            folder, kept = os.path.dirname(os.path.realpath(name)), 0
+            if t.in_mesh and kind.edges:
+                pieces = t.pieces()  # type: ignore[attr-defined]
+                pieces._check_joined(f"a {extension} file")
+                kept = write_pieces(temporary, extension, pieces._arrays(pieces.ids), length, folder)
+            elif t.in_mesh:
                 write_pieces_of_cells(temporary, t, data)
             else:
-                folder = os.path.dirname(os.path.realpath(name))
                 kept = write_mesh(temporary, extension, t, data, colors, open is not None, folder, length)
-                if kept:
-                    warnings.warn(f"{kept} edges below min_edge={length} stay: cells would not remain polyhedra", stacklevel=3)
+            if kept:
+                warnings.warn(short_edges_stay(kept, length), stacklevel=3)
