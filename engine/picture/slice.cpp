@@ -1,10 +1,12 @@
 #include "picture/slice.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include "core/box.hpp"
+#include "solid/ear_clipping.hpp"
 
 namespace votess::picture {
 namespace {
@@ -38,6 +40,79 @@ Plane place(const SliceJob& job, const Slice& slice) {
     plane.area.right = plane.area.left + width;
     plane.area.bottom = plane.area.top + height;
     return plane;
+}
+
+// Draws pieces of the plane: polygons that need not be convex, with holes.
+class RingBuilder {
+public:
+    RingBuilder(const SliceJob& job, const Plane& plane, double line) : job_(job), plane_(plane), line_(line) {}
+
+    // Adds triangles, and if lines are drawn the edges.
+    void add_piece(std::size_t piece, std::vector<FillVertex>& out, std::vector<Stroke>& edges) {
+        find_rings(piece);
+        if (rings_.empty()) return;
+        FillVertex vertex{};
+        vertex.color = job_.colors[piece];
+        vertex.edge = 1;
+        for (const auto& triangle : cutter_.cut(rings_)) {
+            for (const std::int32_t v : triangle) {
+                const Vec3 at = plane_(job_.mesh.vertex(v));
+                for (std::size_t k = 0; k < 3; ++k) vertex.position[k] = static_cast<float>(at[k]);
+                out.push_back(vertex);
+            }
+        }
+        if (line_ > 0) add_edges(edges);
+    }
+
+private:
+    void find_rings(std::size_t piece) {
+        rings_.clear();
+        std::vector<solid::FlatCorner> ring;
+        for (std::size_t f = job_.mesh.first_face(piece); f < job_.mesh.end_face(piece); ++f) {
+            const auto edge = job_.mesh.polygon(f);
+            const Vec3 at = plane_(job_.mesh.vertex(edge[0]));
+            ring.push_back({at[0], at[1], edge[0]});
+            if (edge[1] != ring.front().id) continue;
+            if (ring.size() > 2) rings_.push_back(ring);
+            ring.clear();
+        }
+    }
+
+    // Lines fade where pieces are as small as lines.
+    void add_edges(std::vector<Stroke>& edges) const {
+        double area = 0, around = 0;
+        const auto over_edges = [&](const auto& task) {
+            for (const auto& ring : rings_)
+                for (std::size_t k = 0; k < ring.size(); ++k) task(ring[k], ring[k + 1 == ring.size() ? 0 : k + 1]);
+        };
+        for (const auto& ring : rings_) area += 0.5 * solid::doubled_area(ring);
+        over_edges([&](const auto& a, const auto& b) { around += std::hypot(b.x - a.x, b.y - a.y); });
+        if (!(around > 0)) return;
+        const double size = 2 * std::abs(area) / around;  // from the middle to an edge, if the piece is round
+        const double presence = std::clamp(0.1 * size / line_ - 0.1, 0.0, 1.0);
+        if (presence == 0) return;
+        over_edges([&](const auto& a, const auto& b) {
+            const auto at = [](double x) { return static_cast<float>(x); };
+            edges.push_back({{at(a.x), at(a.y), 0}, {at(b.x), at(b.y), 0}, at(0.5 * line_ * presence), rgb(45, 45, 55)});
+        });
+    }
+
+    const SliceJob& job_;
+    const Plane& plane_;
+    double line_;  // width in pixels
+    std::vector<std::vector<solid::FlatCorner>> rings_;
+    solid::EarClipping cutter_;
+};
+
+// Leaves one of the edges that two pieces share.
+void remove_repeats(std::vector<Stroke>& edges) {
+    const auto ends = [](const Stroke& s) {
+        const auto near = [](const float* p) { return std::array{std::lround(16 * p[0]), std::lround(16 * p[1])}; };
+        return std::minmax({near(s.from), near(s.to)});
+    };
+    std::ranges::stable_sort(edges, {}, ends);
+    const auto repeats = std::ranges::unique(edges, {}, ends);
+    edges.erase(repeats.begin(), repeats.end());
 }
 
 // The shifts of the images of a cell that may reach into the bounds of the domain, which are longer than its edges.
@@ -111,20 +186,28 @@ Area build_slice(const SliceJob& job, const Sizes& sizes, ThreadPool& pool, Scen
     const std::vector<Vec3> all = images(job.periods);
     const std::size_t n = job.mesh.cells();
     std::vector<std::vector<FillVertex>> blocks(ceil_div(n, block_cells));
+    std::vector<std::vector<Stroke>> edges(blocks.size());
     std::vector<char> met(n);
     over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
         SliceBuilder builder(job, plane, slice, all);
+        RingBuilder pieces(job, plane, scene.edge_width);
         for (std::size_t i = begin; i < end; ++i) {
             if (!job.shown.cells[i]) continue;
             const std::size_t before = blocks[block].size();
-            builder.add_cell(i, blocks[block]);
+            if (job.mesh.rings)
+                pieces.add_piece(i, blocks[block], edges[block]);
+            else
+                builder.add_cell(i, blocks[block]);
             met[i] = blocks[block].size() > before;
         }
     });
-    for (std::vector<FillVertex>& block : blocks) {
-        scene.flat.insert(scene.flat.end(), block.begin(), block.end());
-        block = {};
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+        scene.flat.insert(scene.flat.end(), blocks[block].begin(), blocks[block].end());
+        scene.strokes.insert(scene.strokes.end(), edges[block].begin(), edges[block].end());
+        blocks[block] = {};
+        edges[block] = {};
     }
+    remove_repeats(scene.strokes);
     if (job.options.seeds) add_seeds(job, plane, slice, met, 4 * sizes.unit, scene.strokes);
     if (job.options.frame) {
         static constexpr const char* names[] = {"x", "y", "z"};

@@ -329,7 +329,7 @@ class Tessellation(SeedCells):
         open: Optional[str] = None,
         threads: int = 0,
     ) -> Image:
-        """Returns a picture that the library draws: the cells cut open, a section, or in a ``mesh`` the pieces.
+        """Returns a picture that the library draws: the cells cut open, a section, or in a ``mesh`` or polygons the pieces.
 
         Needs "faces" in want, except in a mesh, and "volumes" unless another color is given. Notebooks show the picture; its
         ``pixels`` are an array.
@@ -353,8 +353,6 @@ class Tessellation(SeedCells):
         <pyvotess image of 200 x 150 pixels>
         """
         self._check_whole()
-        if self.planar and self.in_mesh:
-            raise ValueError("image() draws no polygons with holes: use plot(), or save t.pieces() as .geojson")
         from .export.image import image, png_path
 
         path = None if file is None else png_path(file, "file")
