@@ -93,7 +93,8 @@ private:
         if (presence == 0) return;
         over_edges([&](const auto& a, const auto& b) {
             const auto at = [](double x) { return static_cast<float>(x); };
-            edges.push_back({{at(a.x), at(a.y), 0}, {at(b.x), at(b.y), 0}, at(0.5 * line_ * presence), rgb(45, 45, 55)});
+            edges.push_back(
+                {{at(a.x), at(a.y), 0}, {at(b.x), at(b.y), 0}, at(0.5 * line_ * presence), rgb(45, 45, 55)});
         });
     }
 
@@ -173,6 +174,10 @@ void add_seeds(const SliceJob& job, const Plane& plane, const Slice& slice, std:
         const auto opacity = static_cast<unsigned>(std::lround(235 / (1 + away * away)));
         if (opacity < 40) continue;
         const Vec3 at = plane(p);
+        // Seeds outside of polygons have parts of cells inside.
+        const Area& area = plane.area;
+        if (job.mesh.rings && (at[0] < area.left || at[0] > area.right || at[1] < area.top || at[1] > area.bottom))
+            continue;
         const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]);
         out.push_back({{x, y, 0}, {x, y, 0}, static_cast<float>(size), rgb(15, 15, 20, opacity)});
     }

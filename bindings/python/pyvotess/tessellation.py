@@ -226,7 +226,7 @@ class Tessellation(SeedCells):
 
         Raises ValueError in a mesh, and for cells that reach infinity.
 
-        >>> t.masses(np.arange(8).reshape(2, 2, 2)).masses.sum().round(6)
+        >>> print(t.masses(np.arange(8).reshape(2, 2, 2)).masses.sum().round(6))
         3.5
         """
         if not self.in_mesh:
