@@ -18,7 +18,7 @@ from typing import IO, TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optio
 import numpy as np
 
 from . import _library
-from ._arguments import as_path
+from ._arguments import as_path, shown
 from ._call import VotessError
 from ._c_api import ErrorCode
 from ._domain import SHORT_FORMS, Domain
@@ -45,6 +45,10 @@ class Frame:
     #: other numbers, (N,) or (N, width); words, (N,), of columns that read_frames() names
     columns: Dict[str, npt.NDArray[Any]] = field(default_factory=dict)
     units: Dict[str, Union[float, str]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.number, (int, np.integer)):
+            raise TypeError(f"number is {shown(self.number)}: give the frame's number first, as in Frame(0, points)")
 
     def __len__(self) -> int:
         return len(self.points)

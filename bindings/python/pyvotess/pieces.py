@@ -170,8 +170,8 @@ class Pieces:
             raise ValueError(f"color is {values!r}: give 'volume', or a value for each of the {len(self)} pieces")
         numbers = as_one_each(values, "color", len(self), "pieces")
         names = ("vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids", "sources")
-        look = dict(planar=self.planar, colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
-        return image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, file, **look)
+        look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
+        return image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, file, self.planar, **look)
 
     def view(self) -> View:
         """Returns a page that shows the pieces in a browser, where the reader turns, cuts and parts them.

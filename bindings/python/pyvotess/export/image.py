@@ -127,7 +127,7 @@ def image_of_pieces(
     values: npt.NDArray[np.float64],
     label: str,
     file: Any,
-    planar: bool = False,
+    planar: bool,
     **look: Any,
 ) -> Image:
     """Draws closed triangle meshes, or polygons of the plane.
