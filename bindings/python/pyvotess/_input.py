@@ -260,6 +260,8 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
 
     In the plane (V, 2) vertices and (E, 2) edges: of a pair, of GeoJSON, or of an object with ``__geo_interface__``.
     """
+    if isinstance(mesh, (str, os.PathLike)):
+        raise ValueError(f"mesh is {shown(str(mesh))}: give what trimesh.load_mesh(file), pyvista.read(file) or json.load(file) returns")
     if hasattr(mesh, "__geo_interface__"):  # Shapely, GeoPandas
         return _mesh_of_polygons(mesh.__geo_interface__)
     if isinstance(mesh, Mapping):

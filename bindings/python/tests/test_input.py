@@ -76,6 +76,8 @@ class Input(unittest.TestCase):
         for points, message in (("run.xyz", r"points is 'run.xyz': .*read_frames\(\)"), (Path("a.npy"), "read_frames"), (frame, "method tessellate")):
             with self.assertRaisesRegex(TypeError, message):
                 vt.tessellate(points)
+        with self.assertRaisesRegex(ValueError, r"mesh is 'a.obj': .*trimesh"):
+            vt.tessellate(np.zeros((1, 3)), mesh="a.obj")
         with self.assertRaisesRegex(TypeError, r"as in Frame\(0, points\)"):
             vt.Frame(np.zeros((1, 3)), vt.Domain.box(UNIT_BOX))
 
