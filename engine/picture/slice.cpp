@@ -1,7 +1,6 @@
 #include "picture/slice.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -78,7 +77,6 @@ private:
         }
     }
 
-    // Lines fade where pieces are as small as lines.
     void add_edges(std::vector<Stroke>& edges) const {
         double area = 0, around = 0;
         const auto over_edges = [&](const auto& task) {
@@ -88,13 +86,12 @@ private:
         for (const auto& ring : rings_) area += 0.5 * solid::doubled_area(ring);
         over_edges([&](const auto& a, const auto& b) { around += std::hypot(b.x - a.x, b.y - a.y); });
         if (!(around > 0)) return;
-        const double size = 2 * std::abs(area) / around;  // from the middle to an edge, if the piece is round
-        const double presence = std::clamp(0.1 * size / line_ - 0.1, 0.0, 1.0);
-        if (presence == 0) return;
+        // From the middle to an edge, if the piece is round.
+        const double width = line_width(2 * std::abs(area) / around, line_);
+        if (width == 0) return;
         over_edges([&](const auto& a, const auto& b) {
             const auto at = [](double x) { return static_cast<float>(x); };
-            edges.push_back(
-                {{at(a.x), at(a.y), 0}, {at(b.x), at(b.y), 0}, at(0.5 * line_ * presence), rgb(45, 45, 55)});
+            edges.push_back({{at(a.x), at(a.y), 0}, {at(b.x), at(b.y), 0}, at(0.5 * width), line_color});
         });
     }
 
@@ -104,17 +101,6 @@ private:
     std::vector<std::vector<solid::FlatCorner>> rings_;
     solid::EarClipping cutter_;
 };
-
-// Leaves one of the edges that two pieces share.
-void remove_repeats(std::vector<Stroke>& edges) {
-    const auto ends = [](const Stroke& s) {
-        const auto near = [](const float* p) { return std::array{std::lround(16 * p[0]), std::lround(16 * p[1])}; };
-        return std::minmax({near(s.from), near(s.to)});
-    };
-    std::ranges::stable_sort(edges, {}, ends);
-    const auto repeats = std::ranges::unique(edges, {}, ends);
-    edges.erase(repeats.begin(), repeats.end());
-}
 
 // The shifts of the images of a cell that may reach into the bounds of the domain, which are longer than its edges.
 std::vector<Vec3> images(std::span<const Vec3> periods) {

@@ -197,10 +197,23 @@ def _plot_space(t: SeedCells, pyvista: Any, color: Any, **style: Any) -> Any:
     low, high, logarithmic = limits(values)
     plotter = pyvista.Plotter()
     style = {"scalars": label or "value", "show_edges": True, "clim": (low, high), "log_scale": logarithmic, **style}
+    # Much light from all around, so that the cells have the colors of the bar.
+    style = {"ambient": 0.55, "diffuse": 0.45, **style}
+    bar = {"vertical": True, "position_x": 0.86, "position_y": 0.15, "width": 0.06, "height": 0.7}
+    style["scalar_bar_args"] = {**bar, **(style.get("scalar_bar_args") or {})}
     plotter.add_mesh(grid, **style)
-    plotter.add_mesh(pyvista.Box(np.asarray(t.box).T.ravel()), style="wireframe", color="gray")
+    plotter.add_mesh(pyvista.line_segments_from_points(_frame(np.asarray(t.box))), color="gray")
     plotter.camera_position = "iso"
+    plotter.camera.zoom(0.9)
     return plotter
+
+
+def _frame(box: Float64Array) -> Float64Array:
+    """Returns the edges of a box, two points each; those of the open octant end at its middle."""
+    corners = np.array(list(itertools.product((0, 1), repeat=3)))
+    pairs = [(a, b) for a, b in itertools.combinations(corners, 2) if np.abs(a - b).sum() == 1]
+    ends = np.array([(a, (a + b) / 2 if b.all() else b) for a, b in pairs])
+    return np.asarray(box[0] + ends.reshape(-1, 3) * (box[1] - box[0]))
 
 
 def plot(
