@@ -109,6 +109,21 @@ class Images(unittest.TestCase):
         for more in ({"gap": 0.1}, {"seeds": True}):
             self.assertGreater((t.image(**look, **more).pixels[:, :, :3] != pixels).any(axis=2).sum(), 100)
 
+    def test_lines_around_pieces(self):
+        """A joint is a line without gaps, also where the mesh has triangles that are thinner than it."""
+        around = np.array([(-1, -1), (-0.02, -1), (0.03, -1), (1, -1), (1, 1), (-1, 1)])
+        vertices = np.concatenate([np.column_stack((around, np.full(6, height))) for height in (-1, 1)])
+        first, beside = np.arange(6), np.roll(np.arange(6), -1)
+        sides = np.concatenate((np.column_stack((first, beside, beside + 6)), np.column_stack((first, beside + 6, first + 6))))
+        top = np.array([(4, 5, 0), (4, 0, 1), (4, 1, 2), (4, 2, 3)])
+        solid = (vertices, np.concatenate((sides, top + 6, top[:, ::-1])))
+        t = vt.tessellate([(-0.5, 0, 0), (0.5, 0, 0)], mesh=solid, want="volumes")
+        pixels = t.image(cut="none", view=(-90, 0), color=[1, 1], limits=(0, 2), size=(300, 300)).pixels[:, :, :3].astype(int)
+        rows = np.flatnonzero((pixels[:, 100:180] != 255).any(axis=2).all(axis=1))[5:-5]
+        self.assertGreater(len(rows), 200)
+        near = pixels[rows, 100:180].sum(axis=2)
+        self.assertGreater((np.median(near, axis=1) - near.min(axis=1)).min(), 80)
+
     def test_pieces_and_networks(self):
         """A tetrahedron in two pieces; edges of a lattice along the axes."""
         corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
