@@ -300,7 +300,7 @@ class Tessellation(SeedCells):
 
         ``slice=("z", 0.5)`` draws a plane section with matplotlib, into ``ax`` or a new figure, and returns the axes.
         Without a slice, PyVista shows the cells in space, without those of one octant, and the plotter is returned
-        (``t.plot().show()``). Without PyVista the section through the middle is drawn.
+        (``t.plot().show()``). Without PyVista the section through the middle is drawn. In a ``mesh`` PyVista shows the pieces.
 
         ``color``: "volume", "neighbors", "area", "x", "y", "z", or (N,) values.
         ``style``: arguments of matplotlib's PolyCollection or PyVista's add_mesh, such as ``cmap="magma"``.

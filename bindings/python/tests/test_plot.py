@@ -168,6 +168,13 @@ class Space(unittest.TestCase):
         self.addCleanup(plotter.close)
         self.assertEqual(list(plotter.scalar_bars.keys()), ["size"])
         cells = plotter.meshes[0]
+        solid = vt.tessellate(t.points, mesh=([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), want="volumes")
+        pieces = solid.plot(color=np.arange(50))
+        self.addCleanup(pieces.close)
+        self.assertEqual(set(pieces.meshes[0].cell_data["value"]), set(np.flatnonzero(solid.volumes)))
+        self.assertAlmostEqual(pieces.meshes[0].volume, 1 / 6, delta=1e-6)
+        with self.assertRaisesRegex(ValueError, "no sections of cells in a mesh"):
+            solid.plot(slice=("z", 0.1))
         np.testing.assert_allclose(np.sort(cells.cell_data["volume"]), np.sort(t.volumes[~(t.points > 0.5).all(axis=1)]))
 
 
