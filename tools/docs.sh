@@ -69,7 +69,7 @@ site() {
     NO_MKDOCS_2_WARNING=1 "$python" -m mkdocs build --strict && ! grep -E '^(WARNING|ERROR)' "$work/site.log"
 }
 
-rm -rf "$work/made" "$work/site" "$work/look"
+rm -rf "$work/made" "$work/site" "$work/look" "$work/look.log"
 step code "$python" tests/readme/check_readme.py --source . --build "$build" --bin "$build/bin" --lib "$build/lib" --all \
     --keep "$work/made" "$docs"/pages/*.md
 step pictures "$python" "$docs/build_pages/pictures.py" "$work/made/exactness"
@@ -77,14 +77,17 @@ step notebooks "$python" "$docs/build_pages/notebooks.py" "$docs/notebooks" "$wo
 [[ -z $small ]] || step small "$python" "$docs/build_pages/small.py" "$work/made" "$docs/pages"
 step site site
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
-[[ -z $browser ]] || step look "$python" "$docs/build_pages/look.py" "$browser" "$work/site" "$work/look"
+# Without a site there is nothing to look at.
+[[ -z $browser || ! -e $work/site/index.html ]] || step look "$python" "$docs/build_pages/look.py" "$browser" "$work/site" "$work/look"
 
 count() { find "$1" -name "$2" 2>/dev/null | wc -l; }
 echo "docs: $work/site/index.html"
 echo "  pages       $(find "$work/site" -maxdepth 1 -name '*.html' ! -name 404.html | wc -l), the code of $(count "$docs/pages" '*.md') ran: $(grep -c ': ok$' "$work/code.log" || true) blocks"
 echo "  pictures    $(($(count "$work/made" '*.png') + $(count "$work/made" '*.svg')))"
 echo "  notebooks   $(count "$work/made/notebooks" '*.ipynb')"
-if [[ -n $browser ]]; then
+if [[ -n $browser && ! -e $work/look.log ]]; then
+    echo "  browser     has no site to look at"
+elif [[ -n $browser ]]; then
     echo "  browser     $(tail -1 "$work/look.log"), $(count "$work/look" '*.png') screenshots in $work/look"
 else
     echo "  browser     none: install chromium, and run again, to look at the pages"

@@ -427,11 +427,8 @@ void check_mesh(const Arguments& arguments) {
             throw bad_input(
                 "output " + in_quotes(path) +
                 " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl, .3mf, .foam or .msh");
-    const bool flat = arguments.options.planar;
-    if (flat && arguments.picture)
-        throw bad_input("--image does not draw cells in polygons: leave out --mesh, or write .geojson");
     for (const std::string& path : arguments.outputs)
-        if (flat && output_has(path, polyhedra))
+        if (arguments.options.planar && output_has(path, polyhedra))
             throw bad_input("output " + in_quotes(path) + " holds no polygons with holes: write pieces as .geojson");
     for (const Option* option : arguments.given)
         if (const std::string name = long_name(*option);

@@ -99,8 +99,8 @@ votess_status votess_render(const votess_result* result, const double* points, s
 votess_status votess_render_pieces(const votess_piece_arrays* pieces, const votess_picture_options* options,
                                    uint8_t* pixels, size_t size) {
     return guarded([&] {
-        const votess::files::Pieces given = checked_pieces(pieces, 3);
-        const votess::PictureOptions look = convert(options);
+        const votess::PictureOptions look = convert(options);  // which checks struct_size
+        const votess::files::Pieces given = checked_pieces(pieces, options != nullptr && options->planar != 0 ? 2 : 3);
         check_size(look, pixels, size);
         require(look.values.data(), "options.values");
         votess::Pieces all;

@@ -17,12 +17,11 @@ constexpr std::array reasons{
     Reason{subset, "cells of some seeds do not form a diagram: leave out Options::only"},
     Reason{in_mesh, "cells in a mesh are not whole cells: tessellate without Options::mesh"},
     Reason{flat, "works in three dimensions only"},
-    Reason{in_rings, "draws no polygons with holes: write pieces() as .geojson"},
 };
 
 unsigned properties_of(const Tessellation& t) {
     return (t.probed() ? probed : 0u) | (t.is_subset() ? subset : 0u) | (t.in_mesh() ? in_mesh : 0u) |
-           (t.planar() ? flat : 0u) | (t.in_mesh() && t.planar() ? in_rings : 0u);
+           (t.planar() ? flat : 0u);
 }
 
 }  // namespace

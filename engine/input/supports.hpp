@@ -12,11 +12,10 @@ namespace votess {
 
 // What a result may be.
 enum Property : unsigned {
-    probed = 1,     // cells of probes
-    subset = 2,     // of some seeds
-    in_mesh = 4,    // parts of cells in a mesh
-    flat = 8,       // of the plane
-    in_rings = 16,  // in a mesh of the plane
+    probed = 1,   // cells of probes
+    subset = 2,   // of some seeds
+    in_mesh = 4,  // parts of cells in a mesh
+    flat = 8,     // of the plane
 };
 
 struct Support {
@@ -30,7 +29,7 @@ inline constexpr std::array support{
     Support{"groups", probed | subset},
     Support{"masses", probed | in_mesh},
     Support{"network", probed | subset | in_mesh},
-    Support{"picture", probed | subset | in_rings},
+    Support{"picture", probed | subset},
     Support{"verify", probed},
     Support{"watershed", probed | subset},
 };

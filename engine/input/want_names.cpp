@@ -1,6 +1,7 @@
 // The names of arrays, and the groups of Want that they belong to.
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 
 #include "core/errors.hpp"
@@ -53,6 +54,16 @@ std::string_view without_blanks(std::string_view text) {
     return text.substr(begin, text.find_last_not_of(' ') - begin + 1);
 }
 
+// Returns a question for the first name that begins with the text, as volumes does with volume; or nothing.
+std::string guess(std::string_view text) {
+    constexpr std::size_t shortest = 3;
+    if (text.size() < shortest) return {};
+    for (const std::span<const Name> names : {std::span<const Name>(words), std::span<const Name>(arrays)})
+        for (const Name& name : names)
+            if (name.name.starts_with(text)) return "did you mean " + std::string(name.name) + "? Else ";
+    return {};
+}
+
 void add(std::string_view text, Want& want) {
     const auto find = [&](const auto& names) {
         const auto found = std::ranges::find(names, text, &Name::name);
@@ -61,8 +72,8 @@ void add(std::string_view text, Want& want) {
     const Name* name = find(words);
     if (name == nullptr) name = find(arrays);
     if (name == nullptr)
-        refuse("Options::want has " + in_quotes(std::string(text)) + ": give groups of " + list(words) +
-               ", or arrays of " + list(arrays));
+        refuse("Options::want has " + in_quotes(std::string(text)) + ": " + guess(text) + "give groups of " +
+               list(words) + ", or arrays of " + list(arrays));
     if (name->word != nullptr) want.*name->word = true;
 }
 

@@ -22,6 +22,8 @@ struct Mesh {
     std::span<const std::int64_t> corner_begin{};
     std::span<const std::int32_t> corners{};
     std::span<const char> lines{};  // for each of face_vertices: 1 if the side from it is a line; empty: all are
+    // The cells are polygons of the plane with holes: a face is an edge, and z is 0. Faces run ring after ring.
+    bool rings = false;
 
     [[nodiscard]] std::size_t cells() const { return indptr.empty() ? 0 : indptr.size() - 1; }
     [[nodiscard]] std::size_t first_face(std::size_t cell) const { return static_cast<std::size_t>(indptr[cell]); }

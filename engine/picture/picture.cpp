@@ -120,43 +120,65 @@ std::vector<double> in_space(std::span<const double> vectors) {
     return lifted;
 }
 
-// Pieces as the picture sees them. Their triangles are faces.
+bool is_planar(const Pieces& pieces) {
+    return pieces.centroids.size() == 2 * pieces.size();
+}
+
+// Pieces as the picture sees them. Their triangles are faces, in the plane their edges.
 struct PieceMesh {
-    explicit PieceMesh(const Pieces& pieces) {
+    explicit PieceMesh(const Pieces& pieces) : planar(is_planar(pieces)), corners(planar ? 2 : 3) {
         const std::size_t triangles = pieces.sources.size();
         ids.assign(triangles, -1);
-        for (std::size_t t = 0; t <= triangles; ++t) offsets.push_back(static_cast<std::int64_t>(3 * t));
+        for (std::size_t t = 0; t <= triangles; ++t) offsets.push_back(static_cast<std::int64_t>(corners * t));
         vertices = pieces.triangles;
-        lines.assign(3 * triangles, 0);
-        for (std::size_t p = 0; p < pieces.size(); ++p) add(pieces, p);
-        mesh = {pieces.triangle_offsets, ids, {}, offsets, vertices, pieces.vertices, {}, {}, lines};
-        domain.box = votess::bounds_of(pieces.vertices);
+        for (std::size_t p = 0; p < pieces.size(); ++p) {
+            const auto [begin, end] = entries(pieces, p);
+            for (std::size_t at = begin; at < end; ++at)
+                vertices[at] += static_cast<std::int32_t>(pieces.vertex_offsets[p]);
+        }
+        mesh = {pieces.triangle_offsets, ids, {}, offsets, vertices, pieces.vertices};
+        if (planar) {
+            mesh.vertices = places = in_space(pieces.vertices);
+            mesh.rings = true;
+        } else {
+            lines.assign(vertices.size(), 0);
+            for (std::size_t p = 0; p < pieces.size(); ++p) find_lines(pieces, p);
+            mesh.lines = lines;
+        }
+        domain.box = votess::bounds_of(mesh.vertices);
         domain.of_pieces = true;
     }
     PieceMesh(const PieceMesh&) = delete;
     PieceMesh& operator=(const PieceMesh&) = delete;
 
+    bool planar;
+    std::size_t corners;  // of a face
     std::vector<std::int32_t> ids, vertices;
     std::vector<std::int64_t> offsets;
     std::vector<char> lines;
+    std::vector<double> places;
     Mesh mesh;
     DomainShape domain;
 
 private:
+    // Returns the range of a piece in `vertices`.
+    [[nodiscard]] std::pair<std::size_t, std::size_t> entries(const Pieces& pieces, std::size_t p) const {
+        return {corners * static_cast<std::size_t>(pieces.triangle_offsets[p]),
+                corners * static_cast<std::size_t>(pieces.triangle_offsets[p + 1])};
+    }
+
     // Draws a line where a plane meets another one or the surface.
-    void add(const Pieces& pieces, std::size_t p) {
+    void find_lines(const Pieces& pieces, std::size_t p) {
         struct Side {
             std::pair<std::int32_t, std::int32_t> ends;
             std::int32_t plane;  // -1: the surface
             std::size_t at;
         };
         std::vector<Side> sides;
-        const auto begin = static_cast<std::size_t>(pieces.triangle_offsets[p]),
-                   end = static_cast<std::size_t>(pieces.triangle_offsets[p + 1]);
-        for (std::size_t at = 3 * begin; at < 3 * end; ++at) {
+        const auto [begin, end] = entries(pieces, p);
+        for (std::size_t at = begin; at < end; ++at) {
             const std::int32_t from = pieces.triangles[at], to = pieces.triangles[at % 3 == 2 ? at - 2 : at + 1];
             sides.push_back({std::minmax(from, to), pieces.on_surface[at / 3] != 0 ? -1 : pieces.sources[at / 3], at});
-            vertices[at] += static_cast<std::int32_t>(pieces.vertex_offsets[p]);
         }
         std::ranges::sort(sides, {}, &Side::ends);
         for (std::size_t i = 0, j = 0; i < sides.size(); i = j) {
@@ -207,24 +229,42 @@ Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const d
     return scene;
 }
 
-// The pieces of a cell have its value.
-Picture render_in_mesh(const Tessellation& t, const PictureOptions& options) {
+// points: three coordinates for each piece. values: one each.
+Picture render_pieces(const Pieces& pieces, std::span<const double> points, std::span<const double> values,
+                      const PictureOptions& options) {
+    if (pieces.size() == 0) refuse("picture: there are no pieces to draw");
+    if (options.slice) refuse("picture: pieces have no slice: leave it out");
+    const PieceMesh shape(pieces);
+    PictureOptions look = options;
+    look.wall_cells = WallCells::show;
+    if (shape.planar)
+        look.slice = Slice{};  // which meets all pieces
+    else
+        look.frame = false;
+    ThreadPool pool(options.threads);
+    const Scene scene = build_scene(shape.mesh, shape.domain, points, values, look, pool);
+    return {scene.width, scene.height, draw(scene, pool), 0};
+}
+
+// The pieces of a cell have its value, and in the plane its seed.
+Picture render_in_mesh(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
     const auto values = options.values.empty() ? t.volumes() : options.values;
     const Pieces of_cells = pieces(t, {.gap = options.gap, .threads = options.threads});
-    std::vector<double> of_pieces;
+    std::vector<double> of_pieces, seeds;
     for (std::size_t i = 0; i < t.size(); ++i)
-        of_pieces.resize(static_cast<std::size_t>(of_cells.indptr[i + 1]), values[i]);
-    PictureOptions look = options;
-    look.values = of_pieces;
-    return render(of_cells, look);
+        for (std::int64_t p = of_cells.indptr[i]; p < of_cells.indptr[i + 1]; ++p) {
+            of_pieces.push_back(values[i]);
+            if (t.planar()) seeds.insert(seeds.end(), {points[2 * i], points[2 * i + 1], 0});
+        }
+    return render_pieces(of_cells, t.planar() ? seeds : of_cells.centroids, of_pieces, options);
 }
 
 }  // namespace picture
 
 Picture render(const Tessellation& tessellation, std::span<const double> given, const PictureOptions& options) {
     picture::check(tessellation, given, options);
-    if (tessellation.in_mesh()) return picture::render_in_mesh(tessellation, options);
     std::vector<double> points(given.begin(), given.end());  // another thread may write into them
+    if (tessellation.in_mesh()) return picture::render_in_mesh(tessellation, points, options);
     picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
                        tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};
     const bool planar = tessellation.planar();
@@ -270,19 +310,10 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
 Picture render(const Pieces& pieces, const PictureOptions& options) {
     picture::check_look(options);
     picture::check_values(options, pieces.size(), "pieces");
-    if (pieces.size() == 0) refuse("picture: there are no pieces to draw");
-    if (pieces.centroids.size() != 3 * pieces.size())
-        refuse("picture: pieces of the plane are polygons: write them as .geojson");
-    if (options.slice) refuse("picture: pieces have no slice: leave it out");
-    PictureOptions of_pieces = options;
-    of_pieces.wall_cells = WallCells::show;
-    of_pieces.frame = false;
-    const picture::PieceMesh shape(pieces);
-    ThreadPool pool(options.threads);
-    const picture::Scene scene =
-        picture::build_scene(shape.mesh, shape.domain, pieces.centroids,
-                             options.values.empty() ? std::span(pieces.volumes) : options.values, of_pieces, pool);
-    return {scene.width, scene.height, picture::draw(scene, pool), 0};
+    const auto values = options.values.empty() ? std::span(pieces.volumes) : options.values;
+    if (!picture::is_planar(pieces)) return picture::render_pieces(pieces, pieces.centroids, values, options);
+    if (options.seeds) refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
+    return picture::render_pieces(pieces, picture::in_space(pieces.centroids), values, options);
 }
 
 }  // namespace votess

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/box.hpp"
+#include "solid/ear_clipping.hpp"
 
 namespace votess::picture {
 namespace {
@@ -39,6 +40,67 @@ Plane place(const SliceJob& job, const Slice& slice) {
     plane.area.bottom = plane.area.top + height;
     return plane;
 }
+
+// Draws pieces of the plane: polygons that need not be convex, with holes.
+class RingBuilder {
+public:
+    RingBuilder(const SliceJob& job, const Plane& plane, double line) : job_(job), plane_(plane), line_(line) {}
+
+    // Adds triangles, and if lines are drawn the edges.
+    void add_piece(std::size_t piece, std::vector<FillVertex>& out, std::vector<Stroke>& edges) {
+        find_rings(piece);
+        if (rings_.empty()) return;
+        FillVertex vertex{};
+        vertex.color = job_.colors[piece];
+        vertex.edge = 1;
+        for (const auto& triangle : cutter_.cut(rings_)) {
+            for (const std::int32_t v : triangle) {
+                const Vec3 at = plane_(job_.mesh.vertex(v));
+                for (std::size_t k = 0; k < 3; ++k) vertex.position[k] = static_cast<float>(at[k]);
+                out.push_back(vertex);
+            }
+        }
+        if (line_ > 0) add_edges(edges);
+    }
+
+private:
+    void find_rings(std::size_t piece) {
+        rings_.clear();
+        std::vector<solid::FlatCorner> ring;
+        for (std::size_t f = job_.mesh.first_face(piece); f < job_.mesh.end_face(piece); ++f) {
+            const auto edge = job_.mesh.polygon(f);
+            const Vec3 at = plane_(job_.mesh.vertex(edge[0]));
+            ring.push_back({at[0], at[1], edge[0]});
+            if (edge[1] != ring.front().id) continue;
+            if (ring.size() > 2) rings_.push_back(ring);
+            ring.clear();
+        }
+    }
+
+    void add_edges(std::vector<Stroke>& edges) const {
+        double area = 0, around = 0;
+        const auto over_edges = [&](const auto& task) {
+            for (const auto& ring : rings_)
+                for (std::size_t k = 0; k < ring.size(); ++k) task(ring[k], ring[k + 1 == ring.size() ? 0 : k + 1]);
+        };
+        for (const auto& ring : rings_) area += 0.5 * solid::doubled_area(ring);
+        over_edges([&](const auto& a, const auto& b) { around += std::hypot(b.x - a.x, b.y - a.y); });
+        if (!(around > 0)) return;
+        // From the middle to an edge, if the piece is round.
+        const double width = line_width(2 * std::abs(area) / around, line_);
+        if (width == 0) return;
+        over_edges([&](const auto& a, const auto& b) {
+            const auto at = [](double x) { return static_cast<float>(x); };
+            edges.push_back({{at(a.x), at(a.y), 0}, {at(b.x), at(b.y), 0}, at(0.5 * width), line_color});
+        });
+    }
+
+    const SliceJob& job_;
+    const Plane& plane_;
+    double line_;  // width in pixels
+    std::vector<std::vector<solid::FlatCorner>> rings_;
+    solid::EarClipping cutter_;
+};
 
 // The shifts of the images of a cell that may reach into the bounds of the domain, which are longer than its edges.
 std::vector<Vec3> images(std::span<const Vec3> periods) {
@@ -98,6 +160,10 @@ void add_seeds(const SliceJob& job, const Plane& plane, const Slice& slice, std:
         const auto opacity = static_cast<unsigned>(std::lround(235 / (1 + away * away)));
         if (opacity < 40) continue;
         const Vec3 at = plane(p);
+        // Seeds outside of polygons have parts of cells inside.
+        const Area& area = plane.area;
+        if (job.mesh.rings && (at[0] < area.left || at[0] > area.right || at[1] < area.top || at[1] > area.bottom))
+            continue;
         const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]);
         out.push_back({{x, y, 0}, {x, y, 0}, static_cast<float>(size), rgb(15, 15, 20, opacity)});
     }
@@ -111,20 +177,28 @@ Area build_slice(const SliceJob& job, const Sizes& sizes, ThreadPool& pool, Scen
     const std::vector<Vec3> all = images(job.periods);
     const std::size_t n = job.mesh.cells();
     std::vector<std::vector<FillVertex>> blocks(ceil_div(n, block_cells));
+    std::vector<std::vector<Stroke>> edges(blocks.size());
     std::vector<char> met(n);
     over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
         SliceBuilder builder(job, plane, slice, all);
+        RingBuilder pieces(job, plane, scene.edge_width);
         for (std::size_t i = begin; i < end; ++i) {
             if (!job.shown.cells[i]) continue;
             const std::size_t before = blocks[block].size();
-            builder.add_cell(i, blocks[block]);
+            if (job.mesh.rings)
+                pieces.add_piece(i, blocks[block], edges[block]);
+            else
+                builder.add_cell(i, blocks[block]);
             met[i] = blocks[block].size() > before;
         }
     });
-    for (std::vector<FillVertex>& block : blocks) {
-        scene.flat.insert(scene.flat.end(), block.begin(), block.end());
-        block = {};
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+        scene.flat.insert(scene.flat.end(), blocks[block].begin(), blocks[block].end());
+        scene.strokes.insert(scene.strokes.end(), edges[block].begin(), edges[block].end());
+        blocks[block] = {};
+        edges[block] = {};
     }
+    remove_repeats(scene.strokes);
     if (job.options.seeds) add_seeds(job, plane, slice, met, 4 * sizes.unit, scene.strokes);
     if (job.options.frame) {
         static constexpr const char* names[] = {"x", "y", "z"};

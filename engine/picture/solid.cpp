@@ -1,6 +1,7 @@
 #include "picture/solid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -101,25 +102,54 @@ CutSpace cut_space(const PictureOptions& options, const View& view, const Box& b
 class SolidBuilder {
 public:
     SolidBuilder(const SolidJob& job, const Frame& frame, const CutSpace& space, const std::vector<char>& kept,
-                 const Vec3& eye)
-        : job_(job), frame_(frame), space_(space), kept_(kept), eye_(eye) {}
+                 const View& view, double line)
+        : job_(job),
+          frame_(frame),
+          space_(space),
+          kept_(kept),
+          view_(view),
+          eye_(view.distance * view.back),
+          line_(line) {}
 
-    void add_cell(std::size_t cell, std::vector<FillVertex>& out) {
+    void add_cell(std::size_t cell, std::vector<FillVertex>& out, std::vector<Stroke>& lines) {
         const Mesh& mesh = job_.mesh;
+        if (!mesh.lines.empty()) width_ = line_width_of(cell);
         for (std::size_t f = mesh.first_face(cell); f < mesh.end_face(cell); ++f) {
             // Behind a face between two cells there is nothing to see.
             if (mesh.joins(f) && kept_[static_cast<std::size_t>(mesh.indices[f])]) continue;
-            add_face(f, job_.colors[cell], out);
+            add_face(f, job_.colors[cell], out, lines);
         }
         for (std::size_t k = 0; k < space_.planes.size(); ++k) add_cap(cell, k, out);
     }
 
 private:
-    void add_face(std::size_t face, Color color, std::vector<FillVertex>& out) {
+    // Returns 0 without lines.
+    [[nodiscard]] double line_width_of(std::size_t cell) const {
+        if (!(line_ > 0)) return 0;
+        Box seen = empty_box;
+        for (std::size_t f = job_.mesh.first_face(cell); f < job_.mesh.end_face(cell); ++f)
+            for (const std::int32_t v : job_.mesh.polygon(f)) include(seen, view_.project(frame_(job_.mesh.vertex(v))));
+        return line_width(0.25 * (seen.upper[0] - seen.lower[0] + seen.upper[1] - seen.lower[1]), line_);
+    }
+
+    void add_lines(std::size_t face, std::vector<Stroke>& lines) const {
+        constexpr double towards = 1e-3;  // in front of the surface beside it, which may come nearer there
+        for (std::size_t i = 0; i < rest_.corners.size(); ++i) {
+            if (!job_.mesh.is_line(face, i)) continue;
+            const Vec3 a = view_.project(rest_.corners[i]);
+            const Vec3 b = view_.project(rest_.corners[i + 1 == rest_.corners.size() ? 0 : i + 1]);
+            const auto at = [](double x) { return static_cast<float>(x); };
+            lines.push_back({{at(a[0]), at(a[1]), at(a[2] - towards)},
+                             {at(b[0]), at(b[1]), at(b[2] - towards)},
+                             at(0.5 * width_),
+                             line_color});
+        }
+    }
+
+    void add_face(std::size_t face, Color color, std::vector<FillVertex>& out, std::vector<Stroke>& lines) {
         rest_.clear();
         const auto loop = job_.mesh.polygon(face);
-        for (std::size_t i = 0; i < loop.size(); ++i)
-            rest_.add(frame_(job_.mesh.vertex(loop[i])), job_.mesh.is_line(face, i));
+        for (const std::int32_t v : loop) rest_.add(frame_(job_.mesh.vertex(v)), job_.mesh.lines.empty());
         Vec3 normal{};
         for (std::size_t i = 2; i < loop.size(); ++i) {
             normal = normal + cross(rest_.corners[i - 1] - rest_.corners[0], rest_.corners[i] - rest_.corners[0]);
@@ -128,6 +158,7 @@ private:
         if (!(length > 0)) return;
         normal = (1 / length) * normal;
         if (dot(normal, eye_ - rest_.corners[0]) <= 0) return;  // seen from inside only
+        if (width_ > 0) add_lines(face, lines);
         if (space_.planes.empty()) return add_fan(rest_, normal, color, out);
         // What is behind the first plane, what is in front of it and behind the second, and so on.
         for (const CutPlane& plane : space_.planes) {
@@ -163,7 +194,10 @@ private:
     const Frame& frame_;
     const CutSpace& space_;
     const std::vector<char>& kept_;
+    const View& view_;
     Vec3 eye_;
+    double line_;       // width in pixels
+    double width_ = 0;  // of the lines of a piece
     Polygon rest_, piece_;
 };
 
@@ -238,6 +272,20 @@ void add_fan(const Polygon& polygon, const Vec3& normal, Color color, std::vecto
     }
 }
 
+double line_width(double size, double line) {
+    return line * std::clamp(0.1 * size / line - 0.1, 0.0, 1.0);
+}
+
+void remove_repeats(std::vector<Stroke>& lines) {
+    const auto ends = [](const Stroke& s) {
+        const auto near = [](const float* p) { return std::array{std::lround(16 * p[0]), std::lround(16 * p[1])}; };
+        return std::minmax({near(s.from), near(s.to)});
+    };
+    std::ranges::stable_sort(lines, {}, ends);
+    const auto repeats = std::ranges::unique(lines, {}, ends);
+    lines.erase(repeats.begin(), repeats.end());
+}
+
 void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool& pool, Scene& scene) {
     const Frame frame(job.shown.bounds);
     View& view = scene.view = look(job.options);
@@ -279,16 +327,19 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
 
     const std::size_t n = job.mesh.cells();
     std::vector<std::vector<FillVertex>> blocks(ceil_div(n, block_cells));
-    const Vec3 eye = view.distance * view.back;
+    std::vector<std::vector<Stroke>> lines(blocks.size());
     over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
-        SolidBuilder builder(job, frame, space, kept, eye);
+        SolidBuilder builder(job, frame, space, kept, view, scene.edge_width);
         for (std::size_t i = begin; i < end; ++i)
-            if (kept[i]) builder.add_cell(i, blocks[block]);
+            if (kept[i]) builder.add_cell(i, blocks[block], lines[block]);
     });
-    for (std::vector<FillVertex>& block : blocks) {
-        scene.solid.insert(scene.solid.end(), block.begin(), block.end());
-        block = {};
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+        scene.solid.insert(scene.solid.end(), blocks[block].begin(), blocks[block].end());
+        scene.strokes.insert(scene.strokes.end(), lines[block].begin(), lines[block].end());
+        blocks[block] = {};
+        lines[block] = {};
     }
+    remove_repeats(scene.strokes);
     scene.occlusion_radius = 0.16;
     if (!corners.empty()) add_frame(view, frame, corners, opening, 1.4 * scene.edge_width, scene.strokes);
 }

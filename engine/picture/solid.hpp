@@ -31,6 +31,14 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
 // Adds a polygon as a fan of triangles; less than three corners add nothing.
 void add_fan(const Polygon& polygon, const Vec3& normal, Color color, std::vector<FillVertex>& out);
 
+// Lines around pieces are strokes: a piece may have triangles thinner than a line.
+inline constexpr Color line_color = rgb(45, 45, 55);
+// Returns the width for a piece that reaches so many pixels from its middle: lines fade where pieces are as small as
+// they. line: the full width.
+[[nodiscard]] double line_width(double size, double line);
+// Leaves one of the lines that two pieces share.
+void remove_repeats(std::vector<Stroke>& lines);
+
 // The domain as the picture needs it.
 struct DomainShape {
     Box box;                    // its bounds

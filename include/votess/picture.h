@@ -27,6 +27,7 @@ typedef struct votess_picture_options {
     int32_t wall_cells;               // 0 automatic, 1 show, 2 hide
     int32_t edges, seeds, color_bar;  // 1 or 0, as the next
     int32_t skip_open, frame;
+    int32_t planar;         // 1: votess_render_pieces() gets pieces of the plane; votess_render() knows
     uint8_t background[4];  // RGBA
 } votess_picture_options;
 
@@ -41,7 +42,7 @@ VOTESS_API votess_status votess_render(const votess_result* result, const double
                                        uint64_t* left_out);
 
 // Draws pieces of cells, or any closed triangle meshes, see render() in picture.hpp. options: as above, with values for
-// each piece, which are required. Pieces of the plane and slices are refused.
+// each piece, which are required. Slices are refused. In the plane arrays are as for ".geojson", and seeds are refused.
 VOTESS_API votess_status votess_render_pieces(const votess_piece_arrays* pieces, const votess_picture_options* options,
                                               uint8_t* pixels, size_t size);
 

@@ -272,7 +272,8 @@ class GeojsonFiles(ReaderTest):
         random = ["--random", "50", "--mesh", "a.geojson"]
         self.refuse(*random, "-o", "a.obj", says="needs three dimensions, but --mesh a.geojson means two")
         self.refuse(*random, "-o", "a.vtu", says="holds no polygons with holes: write pieces as .geojson")
-        self.refuse(*random, "--image", "a.png", says="--image does not draw cells in polygons")
+        self.run_cli(*random, "--image", "a.png", "--image-size", "200x150", "--seeds", "-q")
+        self.assertTrue((self.folder / "a.png").read_bytes().startswith(b"\x89PNG"))
         self.refuse("--random", "50", "--2d", "-o", "b.geojson", says="add --mesh FILE")
         self.put("cube.off", "OFF\n0 0 0\n")
         self.refuse("--random", "50", "--mesh", "cube.off", "-o", "b.geojson", says="holds polygons: add --mesh FILE.geojson")

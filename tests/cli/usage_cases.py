@@ -54,7 +54,7 @@ class Usage(CliTest):
                                 (["a.txt", "-g", "99999999999999999999"], "--grid-resolution"),
                                 (["a.txt", "--duplicates", "maybe"], "'maybe'"),
                                 (["a.txt", "--want", "cells"], ["'cells'", "neighbors, volumes, centroids, counts"]),
-                                (["a.txt", "--want", "volumes,face_area"], ["--want has 'face_area'", "face_areas"]),
+                                (["a.txt", "--want", "volumes,face_area"], ["--want has 'face_area'", "did you mean face_areas?"]),
                                 (["a.txt", "--want", "volumes,edges"], "'edges'"), (["a.txt", "--want", ""], "''"),
                                 (["a.txt", "--weights", "4", "--radii", "4"], "not both"),
                                 (["--random", "5", "--radii", "4"], "--random"), (["a.txt", "--weights", ""], "--weights"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import inspect
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, TypedDict, TypeVar, Union
 
@@ -71,7 +72,8 @@ def _checked(given: Mapping[str, Any]) -> Tuple[Dict[str, Any], Dict[str, int]]:
     """Returns the short forms that say something, each in one form, and the dimensions of those that have some."""
     for name in given:
         if name not in SHORT_FORMS:
-            raise TypeError(f"unexpected keyword argument {name!r}")
+            near = difflib.get_close_matches(name, SHORT_FORMS, 1)
+            raise TypeError(f"unexpected keyword argument {name!r}" + (f": did you mean {near[0]}?" if near else ""))
     said = {name: value for name, value in given.items() if value is not None}
     values: Dict[str, Any] = {}
     if isinstance(said.get("box"), str):

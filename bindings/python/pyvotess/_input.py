@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Tuple, Union
 
@@ -85,6 +86,10 @@ def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
 
 def as_points(points: Any, name: str = "points", planar: bool = False) -> npt.NDArray[Any]:
     """Returns (N, 3) points. With ``planar`` they may have the shape (N, 2) instead."""
+    if isinstance(points, (str, os.PathLike)):
+        raise TypeError(f"{name} is {shown(str(points))}: give an array, or read a file with vt.read_frames()")
+    if callable(getattr(points, "tessellate", None)):
+        raise TypeError(f"{name} is {shown(points)}: it has a method tessellate()")
     array = as_float64_or_float32(points, name)
     if array.ndim != 2 or array.shape[1] not in (3, 3 - planar):
         raise ValueError(f"{name} has shape {array.shape}: it must be (N, 3)" + (" or (N, 2)" if planar else ""))
@@ -255,6 +260,8 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
 
     In the plane (V, 2) vertices and (E, 2) edges: of a pair, of GeoJSON, or of an object with ``__geo_interface__``.
     """
+    if isinstance(mesh, (str, os.PathLike)):
+        raise ValueError(f"mesh is {shown(str(mesh))}: give what trimesh.load_mesh(file), pyvista.read(file) or json.load(file) returns")
     if hasattr(mesh, "__geo_interface__"):  # Shapely, GeoPandas
         return _mesh_of_polygons(mesh.__geo_interface__)
     if isinstance(mesh, Mapping):

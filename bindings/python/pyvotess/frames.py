@@ -46,6 +46,10 @@ class Frame:
     columns: Dict[str, npt.NDArray[Any]] = field(default_factory=dict)
     units: Dict[str, Union[float, str]] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.number, (int, np.integer)):
+            raise TypeError(f"number is {shown(self.number)}: give the frame's number first, as in Frame(0, points)")
+
     def __len__(self) -> int:
         return len(self.points)
 

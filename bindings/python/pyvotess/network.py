@@ -150,7 +150,7 @@ class Network(WithHandle):
         if not 0 < thick < np.inf:
             raise ValueError(f"width is {thick}: give a length above 0")
         look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
-        return image_of_pieces(tubes(begin, self.vectors, thick), values, "radius" if radius else "", file, **look)
+        return image_of_pieces(tubes(begin, self.vectors, thick), values, "radius" if radius else "", file, False, **look)
 
     def to_networkx(self) -> Any:
         """Returns a networkx.MultiGraph. Vertices have ``x``, ``y``, in space ``z``, and ``radius``; edges ``radius``, ``length``, ``shift``.

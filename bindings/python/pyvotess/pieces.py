@@ -157,8 +157,7 @@ class Pieces:
 
         color : "volume", or (P,) values, one for each piece; NaN is gray.
 
-        Raises ValueError for pieces of the plane, no pieces, and values that do not fit; OSError when the file cannot be
-        written.
+        Raises ValueError for no pieces and values that do not fit; OSError when the file cannot be written.
 
         >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
         >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
@@ -167,15 +166,13 @@ class Pieces:
         """
         from .export.image import image_of_pieces
 
-        if self.planar:
-            raise ValueError("image() works in three dimensions only: use plot(), or save the pieces as .geojson")
-        values, label = (self.volumes, "volume") if isinstance(color, str) and color == "volume" else (color, "")
+        values, label = (self.volumes, "area" if self.planar else "volume") if isinstance(color, str) and color == "volume" else (color, "")
         if isinstance(values, str):
             raise ValueError(f"color is {values!r}: give 'volume', or a value for each of the {len(self)} pieces")
         numbers = as_one_each(values, "color", len(self), "pieces")
         names = ("vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids", "sources")
         look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
-        return image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, file, **look)
+        return image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, file, self.planar, **look)
 
     def view(self) -> View:
         """Returns a page that shows the pieces in a browser, where the reader turns, cuts and parts them.

@@ -226,7 +226,7 @@ class Tessellation(SeedCells):
 
         Raises ValueError in a mesh, and for cells that reach infinity.
 
-        >>> t.masses(np.arange(8).reshape(2, 2, 2)).masses.sum().round(6)
+        >>> print(t.masses(np.arange(8).reshape(2, 2, 2)).masses.sum().round(6))
         3.5
         """
         if not self.in_mesh:
@@ -303,7 +303,7 @@ class Tessellation(SeedCells):
 
         ``slice=("z", 0.5)`` draws a plane section with matplotlib, into ``ax`` or a new figure, and returns the axes.
         Without a slice, PyVista shows the cells in space, without those of one octant, and the plotter is returned
-        (``t.plot().show()``). Without PyVista the section through the middle is drawn.
+        (``t.plot().show()``). Without PyVista the section through the middle is drawn. In a ``mesh`` PyVista shows the pieces.
 
         ``color``: "volume", "neighbors", "area", "x", "y", "z", or (N,) values.
         ``style``: arguments of matplotlib's PolyCollection or PyVista's add_mesh, such as ``cmap="magma"``.
@@ -332,7 +332,7 @@ class Tessellation(SeedCells):
         open: Optional[str] = None,
         threads: int = 0,
     ) -> Image:
-        """Returns a picture that the library draws: the cells cut open, a section, or in a ``mesh`` the pieces.
+        """Returns a picture that the library draws: the cells cut open, a section, or in a ``mesh`` or polygons the pieces.
 
         Needs "faces" in want, except in a mesh, and "volumes" unless another color is given. Notebooks show the picture; its
         ``pixels`` are an array.
@@ -356,8 +356,6 @@ class Tessellation(SeedCells):
         <pyvotess image of 200 x 150 pixels>
         """
         self._check_whole()
-        if self.planar and self.in_mesh:
-            raise ValueError("image() draws no polygons with holes: use plot(), or save t.pieces() as .geojson")
         from .export.image import image, png_path
 
         path = None if file is None else png_path(file, "file")

@@ -495,7 +495,7 @@ class Values(unittest.TestCase):
                         call(unit, **{one: value})
                 with self.assertRaisesRegex(TypeError, "domain is .*: give a pyvotess.Domain"):
                     call(UNIT)
-                with self.assertRaisesRegex(TypeError, "unexpected keyword argument 'boxes'"):
+                with self.assertRaisesRegex(TypeError, r"unexpected keyword argument 'boxes': did you mean box\?"):
                     call(unit, boxes=UNIT)
         for name, function in (("tessellate", vt.tessellate), ("Diagram", vt.Diagram), ("lloyd", vt.lloyd), ("fit", vt.fit_volumes),
                                ("stream", vt.tessellate_stream), ("Tessellator", vt.Tessellator.tessellate)):  # fmt: skip

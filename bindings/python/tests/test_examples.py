@@ -5,6 +5,7 @@ import importlib.util
 import inspect
 import os
 import unittest
+from pathlib import Path
 from unittest import mock
 
 from helpers import Folder, uniform
@@ -67,6 +68,12 @@ class Examples(Folder):
                     without.append(name)
         self.assertEqual("".join(lines), "")
         self.assertEqual(without, [])
+
+    def test_reference(self):
+        """Each name of the package has its place in the reference."""
+        pages = Path(__file__).parent.parent / "docs/pages"
+        text = "".join(page.read_text("utf-8") for page in pages.glob("python*.md"))
+        self.assertEqual([name for name in vt.__all__ if name != "__version__" and f"::: pyvotess.{name}\n" not in text], [])
 
 
 if __name__ == "__main__":

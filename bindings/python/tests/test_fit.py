@@ -160,6 +160,16 @@ class BadInput(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, says):
             vt.fit_volumes(points, np.full(len(points), 0.1) if volumes is None else volumes, box=UNIT_BOX, **options)
 
+    def test_polygons_afterwards(self):
+        """The message about missing polygons shows how to make the same cells without another fit."""
+        t = vt.fit_volumes(uniform(50), np.full(50, 0.02), box=UNIT_BOX).tessellation
+        with self.assertRaisesRegex(ValueError, "After a fit: ") as caught:
+            t.save("cells.vtu")
+        code = str(caught.exception).split("After a fit: ")[1].split(" makes")[0]
+        again = eval(code, {"vt": vt, "t": t})
+        self.assertIn("faces", again.wanted)
+        np.testing.assert_array_equal(again.volumes, t.volumes)
+
     def test_targets(self):
         self.refused(r"sum to 1\.1.*domain has 1:.*normalize", volumes=np.full(10, 0.11))
         self.refused("it must be \\(10,\\)", volumes=np.full(9, 0.1))

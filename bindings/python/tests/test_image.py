@@ -83,6 +83,46 @@ class Images(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "faces"):
             vt.tessellate(self.points, box=BOX).image(color=np.zeros(60))
 
+    def test_polygons(self):
+        """Each place of a polygon with a hole has the color of its cell; the hole and the outside have none."""
+        outline, hole = [(0, 0), (4, 0), (4, 3), (2, 1), (0, 3)], [(1, 0.25), (1.5, 1), (2, 0.5)]
+        city = {"type": "Polygon", "coordinates": [outline, hole]}
+        seeds = np.random.default_rng(3).uniform(0, 4, (12, 2))
+        t = vt.tessellate(seeds, mesh=city, want="volumes")
+        pieces, diagram = t.pieces(), vt.Diagram(seeds, mesh=city)
+        look = {"color": np.arange(12.0), "limits": (-0.5, 11.5), "size": (640, 480)}
+        pixels = t.image(**look).pixels[:, :, :3].astype(int)
+        np.testing.assert_array_equal(pieces.image(**{**look, "color": pieces.cells}).pixels[:, :, :3], pixels)
+        # The frame is dark and straight: its corners place the polygon.
+        dark = (pixels < 130).all(axis=2) & (np.ptp(pixels, axis=2) < 30)
+        columns, rows = np.flatnonzero(dark.sum(axis=0) > 200), np.flatnonzero(dark.sum(axis=1) > 300)
+        corner, size = np.array([columns[0], rows[-1]]), np.array([columns[-1] - columns[0], rows[-1] - rows[0]])
+        places = np.random.default_rng(4).uniform((0.05, 0.05), (3.95, 2.95), (4000, 2))
+        x, y = np.rint(corner + places / (4, 3) * size * (1, -1)).astype(int).T
+        cells, found = diagram.locate(places), pixels[y, x]
+        means = {cell: np.median(found[cells == cell], axis=0) for cell in np.unique(cells)}
+        np.testing.assert_array_equal(means[-1], 255)
+        self.assertGreater(min(np.abs(means[a] - means[b]).max() for a in means for b in means if a < b), 5)
+        expected = np.array([means[cell] for cell in cells])
+        # Lines and their soft borders are the rest.
+        self.assertGreater((np.abs(found - expected).max(axis=1) < 4).mean(), 0.93)
+        for more in ({"gap": 0.1}, {"seeds": True}):
+            self.assertGreater((t.image(**look, **more).pixels[:, :, :3] != pixels).any(axis=2).sum(), 100)
+
+    def test_lines_around_pieces(self):
+        """A joint is a line without gaps, also where the mesh has triangles that are thinner than it."""
+        around = np.array([(-1, -1), (-0.02, -1), (0.03, -1), (1, -1), (1, 1), (-1, 1)])
+        vertices = np.concatenate([np.column_stack((around, np.full(6, height))) for height in (-1, 1)])
+        first, beside = np.arange(6), np.roll(np.arange(6), -1)
+        sides = np.concatenate((np.column_stack((first, beside, beside + 6)), np.column_stack((first, beside + 6, first + 6))))
+        top = np.array([(4, 5, 0), (4, 0, 1), (4, 1, 2), (4, 2, 3)])
+        solid = (vertices, np.concatenate((sides, top + 6, top[:, ::-1])))
+        t = vt.tessellate([(-0.5, 0, 0), (0.5, 0, 0)], mesh=solid, want="volumes")
+        pixels = t.image(cut="none", view=(-90, 0), color=[1, 1], limits=(0, 2), size=(300, 300)).pixels[:, :, :3].astype(int)
+        rows = np.flatnonzero((pixels[:, 100:180] != 255).any(axis=2).all(axis=1))[5:-5]
+        self.assertGreater(len(rows), 200)
+        near = pixels[rows, 100:180].sum(axis=2)
+        self.assertGreater((np.median(near, axis=1) - near.min(axis=1)).min(), 80)
 
     def test_pieces_and_networks(self):
         """A tetrahedron in two pieces; edges of a lattice along the axes."""
@@ -99,9 +139,6 @@ class Images(unittest.TestCase):
         for color, message in (("area", "'volume', or a value"), ([1.0], r"\(1,\) for 2 pieces")):
             with self.assertRaisesRegex(ValueError, message):
                 pieces.image(color=color)
-        square = {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1, 1), (0, 1)]]}
-        with self.assertRaisesRegex(ValueError, "three dimensions only: use plot"):
-            vt.tessellate([(0.5, 0.5)], mesh=square).pieces().image()
         lattice = np.stack(np.meshgrid(*[np.arange(3) + 0.5] * 3), -1).reshape(-1, 3)
         network = vt.tessellate(lattice, box=(0, 0, 0, 3, 3, 3), want="faces").network()
         thin, thick = (network.image(width=width, view=(0, 0), size=(200, 200)).pixels for width in (0.02, 0.1))

@@ -6,6 +6,7 @@ import gc
 import importlib.util
 import pickle
 import unittest
+from pathlib import Path
 import weakref
 
 import numpy as np
@@ -68,6 +69,17 @@ class Input(unittest.TestCase):
                 return self.points
 
         self.assert_same(ArrayLike())
+
+    def test_files_and_frames(self):
+        """Names of files and frames are no points; the message shows the way."""
+        frame = vt.Frame(0, np.zeros((1, 3)))
+        for points, message in (("run.xyz", r"points is 'run.xyz': .*read_frames\(\)"), (Path("a.npy"), "read_frames"), (frame, "method tessellate")):
+            with self.assertRaisesRegex(TypeError, message):
+                vt.tessellate(points)
+        with self.assertRaisesRegex(ValueError, r"mesh is 'a.obj': .*trimesh"):
+            vt.tessellate(np.zeros((1, 3)), mesh="a.obj")
+        with self.assertRaisesRegex(TypeError, r"as in Frame\(0, points\)"):
+            vt.Frame(np.zeros((1, 3)), vt.Domain.box(UNIT_BOX))
 
     def test_dlpack(self):
         t = self.assert_same(DLPackOnly(self.points))

@@ -1,5 +1,6 @@
 """plot(): sections compared with plain geometry, and the arguments of matplotlib."""
 
+import importlib.util
 import subprocess
 import sys
 import unittest
@@ -149,6 +150,32 @@ class Plot(unittest.TestCase):
             t.plot(("x", 0.5), color=[1, 2, 3])
         with self.assertRaisesRegex(ValueError, "'faces' into want"):
             vt.tessellate(points, box=BOX).plot(("x", 0.5))
+
+
+class Space(unittest.TestCase):
+    def test_frame_ends_at_the_opening(self):
+        """Twelve edges of the box, of which three end halfway to the open corner."""
+        ends = _plot._frame(np.array([(1.0, 2, 3), (3, 4, 5)])).reshape(12, 2, 3)
+        lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        self.assertEqual(sorted(lengths), [1.0] * 3 + [2.0] * 9)
+        self.assertFalse((ends == (3, 4, 5)).all(axis=2).any())
+        self.assertEqual((ends == (1, 2, 3)).all(axis=2).sum(), 3)
+
+    @unittest.skipUnless(importlib.util.find_spec("pyvista"), "pyvista is not installed")
+    def test_plotter(self):
+        t = vt.tessellate(np.random.default_rng(3).random((50, 3)), box=(0, 0, 0, 1, 1, 1), want="faces,volumes")
+        plotter = t.plot(scalar_bar_args={"title": "size"})
+        self.addCleanup(plotter.close)
+        self.assertEqual(list(plotter.scalar_bars.keys()), ["size"])
+        cells = plotter.meshes[0]
+        solid = vt.tessellate(t.points, mesh=([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), want="volumes")
+        pieces = solid.plot(color=np.arange(50))
+        self.addCleanup(pieces.close)
+        self.assertEqual(set(pieces.meshes[0].cell_data["value"]), set(np.flatnonzero(solid.volumes)))
+        self.assertAlmostEqual(pieces.meshes[0].volume, 1 / 6, delta=1e-6)
+        with self.assertRaisesRegex(ValueError, "no sections of cells in a mesh"):
+            solid.plot(slice=("z", 0.1))
+        np.testing.assert_allclose(np.sort(cells.cell_data["volume"]), np.sort(t.volumes[~(t.points > 0.5).all(axis=1)]))
 
 
 class Imports(unittest.TestCase):

@@ -67,6 +67,11 @@ TEST_SUITE("interface") {
         }
         for (const char* wrong : {"", "volumes,", "face_area", "Volumes", "volumes;areas", "\n"})
             CHECK_THROWS_WITH_AS((void)votess::want_of(wrong), doctest::Contains("Options::want has '"), votess::Error);
+        for (const auto& [wrong, meant] :
+             {std::pair{"volume", "volumes"}, {"face", "faces"}, {"face_n", "face_normals"}})
+            CHECK_THROWS_WITH_AS((void)votess::want_of(wrong),
+                                 doctest::Contains((std::string("did you mean ") + meant + "?").c_str()),
+                                 votess::Error);
     }
 
     TEST_CASE("want: what is wanted changes nothing in the rest") {

@@ -92,7 +92,9 @@ class Browser:
         await self.call(
             "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
         )
-        await self.call("Page.navigate", url=file.resolve().as_uri())
+        answer = await self.call("Page.navigate", url=file.resolve().as_uri())
+        if "errorText" in answer:
+            raise RuntimeError(f"{file}: {answer['errorText']}")
         while not await self.get(f"location.href.includes({json.dumps(file.name)}) && document.readyState == 'complete'"):
             await asyncio.sleep(0.05)
 

@@ -89,8 +89,9 @@ def _parts(text: str) -> Iterator[Tuple[str, str]]:
 
 
 def _header(name: str) -> str:
-    """Returns a header in parts with headings. A part without a declaration joins the part before it."""
+    """Returns a header in parts with headings, in C++ without its includes. A part without a declaration joins the part before it."""
     text = (ROOT / "include/votess" / name).read_text("utf-8").strip("\n")
+    text = re.sub(r"^#pragma once\n|^#include .*\n+", "", text, flags=re.M) if name.endswith(".hpp") else text
     language = "c" if name.endswith(".h") else "cpp"
     parts: List[Tuple[str, str]] = []
     for title, part in _parts(text):
@@ -140,6 +141,18 @@ def _notebook(name: str) -> str:
     return "\n".join(parts)
 
 
+def _scripts() -> Dict[str, str]:
+    """Returns the scripts of the gallery by the names of their pictures."""
+    text = (ROOT / "bindings/python/docs/pages/gallery.md").read_text("utf-8")
+    scripts = {}
+    for section in text.split("\n## ")[1:]:
+        picture, code = re.search(r"\(made/gallery/(\w+)\.png\)", section), re.search(r"```python\n(.*?)```", section, re.S)
+        if not picture or not code:
+            raise PluginError(f"gallery.md: {section.splitlines()[0]} needs a picture and a script")
+        scripts[picture[1]] = re.sub(r"^# prints: .*\n", "", code[1], flags=re.M)
+    return scripts
+
+
 def on_files(files: Files, config: Any) -> Files:
     """Pictures that were made, and those of the repository, become files of the site."""
     for file in [file for file in files if file.src_uri.startswith("made/")]:
@@ -147,6 +160,8 @@ def on_files(files: Files, config: Any) -> Files:
     for path in sorted(MADE.rglob("*.*")):
         if path.suffix != ".json":
             files.append(File.generated(config, f"made/{path.relative_to(MADE).as_posix()}", abs_src_path=str(path)))
+    for name, code in _scripts().items():
+        files.append(File.generated(config, f"made/gallery/{name}.py", content=code))
     for name in PICTURES:
         files.append(File.generated(config, f"made/{Path(name).name}", abs_src_path=str(ROOT / name)))
     return files
@@ -171,6 +186,9 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
         head, heading, rest = markdown.partition("\n## ")
         look = "beside" if page.file.src_uri == "index.md" else "lead"
         markdown = PICTURE.sub(rf"\1{{ .votess-{look} }}", head, count=1) + heading + rest
+    else:
+        # Each picture of a section is followed by its script.
+        markdown = re.sub(r"^(!\[.*\]\(made/gallery/(\w+)\.png\))$", r"\1\n\n[Download the script](made/gallery/\2.py)", markdown, flags=re.M)
     return PLACE.sub(source, _with_outputs(markdown, Path(page.file.src_uri).stem))
 
 

@@ -44,13 +44,23 @@ def mesh_of(t: SeedCells, caller: str, planar: bool = False, may_skip: bool = Fa
         indptr, offsets, loops = (np.asarray(a, np.int64) for a in (t.neighbors.indptr, t.faces.indptr, t.faces.indices))
         vertices = np.asarray(t.vertices, np.float64)
     except AttributeError:
-        raise ValueError(f"{caller} needs the polygons of the cells: put 'faces' into want") from None
+        raise ValueError(f"{caller} needs {_polygons_of(t)}") from None
     if closed is None:
         return Mesh(indptr, offsets, loops, vertices)
     faces = np.diff(indptr)
     kept = np.flatnonzero(np.repeat(closed, faces))
     corners = np.diff(offsets)[kept]
     return Mesh(begins(np.where(closed, faces, 0)), begins(corners), loops[ranges(offsets[kept], corners)], vertices)
+
+
+def _polygons_of(t: SeedCells) -> str:
+    """Returns the end of a message: where the polygons of the cells come from."""
+    if t.in_mesh:
+        return "polygons of whole cells, and a mesh cuts these: use image(), or view() and save() of pieces()"
+    text = "the polygons of the cells: put 'faces' into want"
+    if t.weights is None:
+        return text
+    return f"{text}. After a fit: vt.tessellate(t.points, t.domain, weights=t.weights, want='faces,volumes') makes the same cells"
 
 
 def begins(counts: npt.NDArray[np.integer]) -> Int64Array:

@@ -122,10 +122,17 @@ def image(
     return Image(pixels, left_out.value)
 
 
-def image_of_pieces(arrays: Mapping[str, Any], values: npt.NDArray[np.float64], label: str, file: Any, **look: Any) -> Image:
-    """Draws closed triangle meshes. ``arrays``: those of ``votess_piece_arrays``, of which each row is one piece.
+def image_of_pieces(
+    arrays: Mapping[str, Any],
+    values: npt.NDArray[np.float64],
+    label: str,
+    file: Any,
+    planar: bool,
+    **look: Any,
+) -> Image:
+    """Draws closed triangle meshes, or polygons of the plane.
 
-    ``file``: a .png to write, or None.
+    ``arrays``: those of ``votess_piece_arrays``, of which each row is one piece. ``file``: a .png to write, or None.
     """
     path = None if file is None else png_path(file, "file")
     count = len(arrays["vertex_offsets"]) - 1
@@ -133,6 +140,7 @@ def image_of_pieces(arrays: Mapping[str, Any], values: npt.NDArray[np.float64], 
     given = _c_api.PieceArrays(rows=count, **{name: np.ascontiguousarray(a) for name, a in {**arrays, **rows}.items()})
     numbers = np.ascontiguousarray(values, np.float64)
     options = _options(numbers, label, **look)
+    options.planar = planar
     pixels = np.empty((options.height, options.width, 4), np.uint8)
     raise_on_failure(watched(lib.votess_render_pieces, given, options, pixels, pixels.nbytes))
     picture = Image(pixels, 0)

@@ -194,13 +194,42 @@ def _plot_space(t: SeedCells, pyvista: Any, color: Any, **style: Any) -> Any:
     points = np.asarray(t.points, np.float64)[cells]
     middle = np.asarray(t.box).mean(axis=0)
     grid = grid.extract_cells(np.flatnonzero(~(points > middle).all(axis=1)))
+    plotter = _plotter(pyvista, grid, values, label, {"show_edges": True, **style})
+    plotter.add_mesh(pyvista.line_segments_from_points(_frame(np.asarray(t.box))), color="gray")
+    return plotter
+
+
+def _plot_pieces(t: SeedCells, pyvista: Any, color: Any, **style: Any) -> Any:
+    values, label = color_values(t, color)
+    pieces = t.pieces()  # type: ignore[attr-defined]
+    sizes = np.diff(pieces.triangle_offsets)
+    triangles = pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], sizes)[:, None]
+    surface = pyvista.PolyData(np.array(pieces.vertices), np.insert(triangles, 0, 3, axis=1).ravel())
+    surface.cell_data[label or "value"] = np.repeat(values[pieces.cells], sizes)
+    return _plotter(pyvista, surface, values, label, style)
+
+
+def _plotter(pyvista: Any, grid: Any, values: Float64Array, label: str, style: Dict[str, Any]) -> Any:
+    """Returns a plotter that shows the grid, colored by its cell data of this label."""
     low, high, logarithmic = limits(values)
     plotter = pyvista.Plotter()
-    style = {"scalars": label or "value", "show_edges": True, "clim": (low, high), "log_scale": logarithmic, **style}
+    style = {"scalars": label or "value", "clim": (low, high), "log_scale": logarithmic, **style}
+    # Much light from all around, so that the cells have the colors of the bar.
+    style = {"ambient": 0.55, "diffuse": 0.45, **style}
+    bar = {"vertical": True, "position_x": 0.86, "position_y": 0.15, "width": 0.06, "height": 0.7}
+    style["scalar_bar_args"] = {**bar, **(style.get("scalar_bar_args") or {})}
     plotter.add_mesh(grid, **style)
-    plotter.add_mesh(pyvista.Box(np.asarray(t.box).T.ravel()), style="wireframe", color="gray")
     plotter.camera_position = "iso"
+    plotter.camera.zoom(0.9)
     return plotter
+
+
+def _frame(box: Float64Array) -> Float64Array:
+    """Returns the edges of a box, two points each; those of the open octant end at its middle."""
+    corners = np.array(list(itertools.product((0, 1), repeat=3)))
+    pairs = [(a, b) for a, b in itertools.combinations(corners, 2) if np.abs(a - b).sum() == 1]
+    ends = np.array([(a, (a + b) / 2 if b.all() else b) for a, b in pairs])
+    return np.asarray(box[0] + ends.reshape(-1, 3) * (box[1] - box[0]))
 
 
 def plot(
@@ -218,6 +247,11 @@ def plot(
             raise ValueError("plot(): a slice needs three dimensions: leave it out")
         imported("matplotlib", "plot()")
         return _plot_plane(t, color, ax, style)
+    if t.in_mesh:
+        if slice is not None or ax is not None:
+            raise ValueError("plot() draws no sections of cells in a mesh: leave slice and ax out")
+        color_values(t, color)
+        return _plot_pieces(t, imported("pyvista", "plot() in a mesh"), color, **style)
     mesh_of(t, "plot()")
     middle = float(np.asarray(t.box)[:, 2].mean())
     axis, value = _parse_slice(t, slice if slice is not None else ("z", middle))

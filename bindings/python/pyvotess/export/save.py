@@ -58,7 +58,8 @@ def _checked_kind(
     if kind is None and extension == ".geojson":
         raise ValueError("a .geojson file holds the pieces of cells in polygons: save t.pieces()")
     if kind is None:
-        raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}")
+        table = ". For tables: t.to_dataframe().to_csv(path)" if extension in (".csv", ".txt") else ""
+        raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}{table}")
     if named_columns(columns) and not kind.columns:
         raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
     if not (0 <= min_edge < float("inf")):
