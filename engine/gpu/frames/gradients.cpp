@@ -1,0 +1,83 @@
+#include "gpu/frames/gradients.hpp"
+
+#include "gpu/frames/frame.hpp"
+#include "gpu/passes/kernel_choice.hpp"
+#include "shaders.hpp"
+#include "shared/gradient.h"
+
+namespace votess::gpu {
+
+using votess::vulkan::detail::PlanAccess;
+
+Gradients::Gradients(const votess::vulkan::Plan& plan, bool centroids) : plan_(plan) {
+    vulkan::Device& device = PlanAccess::device(plan);
+    const votess::vulkan::PlanOptions& options = plan.options();
+    if (!options.neighbors)
+        throw Error(ErrorCode::invalid_argument, "gradients follow the rows: request neighbors too");
+    const bool wide = options.format == votess::vulkan::SeedFormat::float64 && centroids;
+    if (wide && !device.has_float64())
+        throw Error(ErrorCode::unsupported,
+                    device.adapter().name + " has no float64, which gradients by centroids of float64 points need: "
+                                            "leave centroids out of want");
+    // Float64 wherever there is some: the pass is short, and float32 cannot see edges of nearly parallel faces.
+    const bool float64 = device.has_float64() && measure_from_environment() != Measure::float32;
+    vulkan::PassBatch batch(device);
+    passes_.push_back(batch.get({.name = "gradient_cells",
+                                 .spirv = wide ? shaders::gradient_cells_f64 : shaders::gradient_cells_f32,
+                                 .push_bytes = sizeof(GradientPush)}));
+    passes_.push_back(batch.get({.name = "gradient_faces",
+                                 .spirv = float64 ? shaders::gradient_faces_f64 : shaders::gradient_faces_f32,
+                                 .push_bytes = sizeof(GradientPush),
+                                 .local_size = GRADIENT_LANES}));
+    batch.make();
+}
+
+void Gradients::record(vulkan::Recorder& recorder, const votess::vulkan::Frame& frame, std::uint32_t count,
+                       const GradientArrays& arrays) const {
+    const DeviceSeeds& seeds = PlanAccess::seeds(frame);
+    const votess::vulkan::PlanOptions& options = plan_.options();
+    const bool wide = options.format == votess::vulkan::SeedFormat::float64;
+    GradientPush push{};
+    push.count = count;
+    push.total = seeds.count();
+    push.weights_at = 3 * options.most_seeds;
+    push.shift = seeds.units().shift;
+    push.bits = (arrays.shifts ? GRADIENT_SHIFTS : 0) | (options.weights ? GRADIENT_WEIGHTS : 0) |
+                (arrays.given_volumes ? GRADIENT_OF_VOLUMES : 0) |
+                (arrays.given_centroids ? GRADIENT_OF_CENTROIDS : 0) | (arrays.given_areas ? GRADIENT_OF_AREAS : 0) |
+                (wide ? GRADIENT_FLOAT64 : 0);
+    push.walls = static_cast<std::uint32_t>(seeds.walls());
+    if (push.walls != 0) push.bits |= GRADIENT_OBLIQUE;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        push.extent[k] = words(seeds.extent()[k]);
+        if (options.cell || options.periodic[k] || (push.bits & GRADIENT_OBLIQUE) != 0) continue;
+        push.bits |= k << (GRADIENT_AXES_SHIFT + push.walls);
+        push.walls += 2;
+    }
+    std::ranges::copy(seeds.vectors(), push.vector);
+
+    Bindings bindings;
+    const auto bind = [&](std::uint32_t binding, const Slice& array) {  // the gradient in place of those that are empty
+        bindings.set(binding, array ? array : arrays.gradient);
+    };
+    bind(BINDING_RAW, arrays.points);
+    bind(BINDING_PART_INFO, arrays.status);
+    bind(BINDING_GEOMETRY, arrays.volumes);
+    bind(BINDING_PART_GEOMETRY, arrays.centroids);
+    bind(BINDING_GIVEN_VOLUMES, arrays.given_volumes);
+    bind(BINDING_GIVEN_CENTROIDS, arrays.given_centroids);
+    bind(BINDING_GIVEN_AREAS, arrays.given_areas);
+    bind(BINDING_SLOPES, arrays.slopes);
+    bind(BINDING_GRADIENT, arrays.gradient);
+    bind(BINDING_PART_OFFSETS, arrays.indptr);
+    bind(BINDING_SLICE_ROWS, arrays.indices);
+    bind(BINDING_SLICE_SHIFTS, arrays.shifts);
+    for (const std::uint32_t binding : {BINDING_POINTS, BINDING_RUN_STATE})
+        bindings.set(binding, seeds.bindings().get(binding));
+    recorder.dispatch(passes_[0], bindings.list(), vulkan::push_bytes(push), count);
+    recorder.barrier();
+    recorder.dispatch(passes_[1], bindings.list(), vulkan::push_bytes(push), std::uint64_t{count} * GRADIENT_LANES);
+    recorder.barrier();
+}
+
+}  // namespace votess::gpu

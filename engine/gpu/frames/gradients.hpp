@@ -1,0 +1,41 @@
+// The product of the derivatives of a frame's volumes, centroids and areas with given vectors, on the device.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/vulkan/recorder.hpp"
+#include "votess/vulkan.hpp"
+
+namespace votess::gpu {
+
+using vulkan::Slice;
+
+// The cells of a frame in the order of the points, and the vectors. Numbers of points, centroids, their vectors and the
+// gradient are those of the plan's format. Arrays that do not exist are empty.
+struct GradientArrays {
+    Slice points, status, indptr, indices, shifts, volumes, centroids;
+    Slice given_volumes, given_centroids, given_areas;  // one for each number of the arrays
+    Slice slopes;                                       // scratch, slope_bytes a point
+    Slice gradient;  // 4 numbers for each of the plan's most_seeds: 3 by each point, then those by weights
+};
+
+class Gradients {
+public:
+    static constexpr VkDeviceSize slope_bytes = 16;
+
+    // Makes the pipelines. centroids: whether there are vectors for them. Throws `unsupported` for a plan without rows,
+    // and for centroids in float64 on a device without it.
+    Gradients(const votess::vulkan::Plan& plan, bool centroids);
+
+    // Records the passes, with a barrier behind them. frame: its last recording was that of the points. Points without
+    // a row that have a cell get NaN.
+    void record(vulkan::Recorder& recorder, const votess::vulkan::Frame& frame, std::uint32_t count,
+                const GradientArrays& arrays) const;
+
+private:
+    votess::vulkan::Plan plan_;
+    std::vector<vulkan::Pass> passes_;  // gradient_cells, gradient_faces
+};
+
+}  // namespace votess::gpu

@@ -1,0 +1,292 @@
+// gradient: the product of the derivatives of a frame's volumes, centroids and areas with given vectors.
+//
+// A work-group makes the four numbers of one seed, from the planes of its row and the walls: the derivatives of a number
+// L by its place and its weight. The faces of the seed are those that move. Relative to the seed, let face a be
+// n_a.y = h_a, where n_a leads to the neighbor. When the seed moves by d and its weight grows by w, a point y of each
+// face moves so that n_a.dy = y.d + w/2 (bindings/python/pyvotess/_motion.py has the same formulas for both seeds).
+//
+// Volumes and centroids: L changes by the integral over face a of q(y) (y.d + w/2) / |n_a|, where q is the difference of
+// c + s.y (gradient_cells.comp) of both cells. The edges of the face split it into signed triangles with the foot of the
+// seed on its plane. The middles of a triangle's sides integrate squares exactly.
+//
+// Areas: L is the sum of A times what is given for both entries of a face. Faces change by the motion of their edges.
+// The edge of faces a and b, along t = n_a x n_b, moves by v (y.d + w/2), where n_a.v = n_b.v = 1, and n_b.v = 0 where b
+// is a wall. Three faces meet there: a, b, and that of the two neighbors. Each grows by the part of this along its
+// outward normal in its plane: those of t x n_a, n_b x t and t x (n_b - n_a).
+//
+// Lengths are in units of the cell: powers of two, near the distance of a neighbor. Variant: FLOAT64.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "clip/wall_distance.glsl"
+#include "invocations/index.glsl"
+#include "numbers/int64.glsl"
+#include "numbers/widened.glsl"
+#include "shared/gradient.h"
+#include "shared/interface.h"
+#include "shared/layout.h"
+
+#ifdef FLOAT64
+#define Real double
+#define Vec3 dvec3
+const Real parallel = Real(1.0e-24);  // squared sine of an angle below which planes have no edge
+#else
+#define Real float
+#define Vec3 vec3
+const Real parallel = Real(1.0e-12);
+#endif
+
+layout(push_constant) uniform Push { GradientPush push; };
+layout(std430, binding = BINDING_POINTS) readonly buffer Points { uvec2 points[]; };
+layout(std430, binding = BINDING_RUN_STATE) readonly buffer State {
+    RunState state;
+    WallPlane walls[];
+};
+layout(std430, binding = BINDING_PART_OFFSETS) readonly buffer PartOffsets { uint part_offsets[]; };
+layout(std430, binding = BINDING_SLICE_ROWS) readonly buffer SliceRows { int slice_rows[]; };
+layout(std430, binding = BINDING_SLICE_SHIFTS) readonly buffer SliceShifts { uint slice_shifts[]; };
+layout(std430, binding = BINDING_SLOPES) readonly buffer Slopes { vec4 slopes[]; };
+layout(std430, binding = BINDING_GIVEN_AREAS) readonly buffer GivenAreas { float given_areas[]; };
+layout(std430, binding = BINDING_GRADIENT) writeonly buffer Gradient { uint gradient[]; };
+
+const uint lanes = GRADIENT_LANES, shared_planes = 64u;
+const Real beyond_all = Real(1.0e30);
+
+struct Plane {
+    Vec3 n;
+    Real h;
+};
+
+shared Plane stored[shared_planes];
+shared Real sums[4u * lanes];
+
+uint cell;
+uint first, neighbors;  // entries of the row that are seeds: its faces 0, 1, ...; walls are planes behind them
+uint planes;
+uvec2 place[3];
+float scale;  // units to units of the cell
+Real length_of_unit;
+Vec3 by_point = Vec3(0.0);
+Real by_weight = Real(0.0);  // twice
+
+bool has(uint bit) {
+    return (push.bits & bit) != 0u;
+}
+
+// Returns a number in two's complement.
+Real whole(uvec2 d) {
+    const uvec2 m = magnitude64(d);
+#ifdef FLOAT64
+    const Real size = Real(m.y) * 4294967296.0LF + Real(m.x);
+#else
+    const Real size = round64(m);
+#endif
+    return is_negative(d) ? -size : size;
+}
+
+Real power_of_two(int exponent) {
+#ifdef FLOAT64
+    return packDouble2x32(uvec2(0u, uint(clamp(exponent + 1023, 0, 2047)) << 20));
+#else
+    return ldexp(1.0, exponent);
+#endif
+}
+
+uint seed_of(uint face) {
+    return uint(slice_rows[first + face]);
+}
+uint shift_of(uint face) {
+    return has(GRADIENT_SHIFTS) ? slice_shifts[first + face] : 0u;
+}
+// Returns a - b of shifts, each int8 x y z 0.
+uint minus_shift(uint a, uint b) {
+    const uvec3 d = uvec3(a, a >> 8, a >> 16) - uvec3(b, b >> 8, b >> 16) & 0xffu;
+    return d.x | d.y << 8 | d.z << 16;
+}
+
+// Returns the way to a neighbor in units.
+uvec2[3] way_to(uint face) {
+    uvec2 d[3];
+    const uint seed = seed_of(face), shift = shift_of(face);
+    for (uint k = 0u; k < 3u; ++k) {
+        d[k] = subtract64(points[k * push.total + seed], place[k]);
+        for (uint v = 0u; v < 3u && shift != 0u; ++v)
+            d[k] = add64(d[k], times64(bitfieldExtract(int(shift), int(8u * v), 8), push.vector[3u * v + k]));
+    }
+    return d;
+}
+
+Plane bisector(uint face) {
+    const uvec2 d[3] = way_to(face);
+    const Vec3 n = Vec3(whole(d[0]), whole(d[1]), whole(d[2])) * Real(scale);
+    Real twice = dot(n, n);
+    if (has(GRADIENT_WEIGHTS)) {
+        const uint at = 3u * push.total;
+        const Real lighter = whole(subtract64(points[at + cell], points[at + seed_of(face)])) * Real(scale);
+        twice += lighter * (Real(scale) * power_of_two(state.weight_exponent));
+    }
+    return Plane(n, Real(0.5) * twice);
+}
+
+// Returns the number of wall i: rows list it as -1 less the number.
+uint wall_number(uint i) {
+    if (has(GRADIENT_OBLIQUE)) return i;
+    return 2u * (push.bits >> (GRADIENT_AXES_SHIFT + (i & ~1u)) & 3u) + (i & 1u);
+}
+
+// Returns wall i as a plane; one that cuts nothing has no normal.
+Plane wall_plane(uint i) {
+    if (has(GRADIENT_OBLIQUE)) {
+        const WallPlane wall = walls[i];
+        if (!(wall.rough[3] < UNBOUNDED)) return Plane(Vec3(0.0), Real(1.0));
+        const Vec3 n = Vec3(whole(wall.normal[0]), whole(wall.normal[1]), whole(wall.normal[2]));
+        const uvec2 distance = whole_wall_distance(fine_wall_distance(wall, place[0], place[1], place[2]));
+        return Plane(n * power_of_two(-WALL_BITS), whole(distance) * Real(scale));
+    }
+    const uint axis = wall_number(i) / 2u;
+    const bool is_upper = (i & 1u) != 0u;
+    Vec3 n = Vec3(0.0);
+    n[axis] = Real(is_upper ? 1.0 : -1.0);
+    return Plane(n, whole(is_upper ? subtract64(push.extent[axis], place[axis]) : place[axis]) * Real(scale));
+}
+
+Plane make_plane(uint i) {
+    return i < neighbors ? bisector(i) : wall_plane(i - neighbors);
+}
+Plane plane_at(uint i) {
+    if (i < shared_planes) return stored[i];
+    return make_plane(i);
+}
+
+// Adds the integrals over the triangle of an edge and the foot of the seed on its face. area: signed.
+void add_triangle(uint face, Plane a, Real area, Vec3 begin, Vec3 end) {
+    const vec4 own = slopes[cell], other = slopes[seed_of(face)];
+    const Real square = length_of_unit * length_of_unit, cube = square * length_of_unit;
+    const Vec3 other_slope = Vec3(other.xyz) * cube, slope = Vec3(own.xyz) * cube - other_slope;
+    const Real constant = (Real(own.w) - Real(other.w)) * square + dot(other_slope, a.n);
+    const Vec3 foot = a.n * (a.h / dot(a.n, a.n));
+    const Vec3 middles[3] = Vec3[3](Real(0.5) * (foot + begin), Real(0.5) * (begin + end), Real(0.5) * (end + foot));
+    const Real third = area / (Real(3.0) * length(a.n));
+    for (int k = 0; k < 3; ++k) {
+        const Real value = third * (constant + dot(slope, middles[k]));
+        by_point += value * middles[k];
+        by_weight += value;
+    }
+}
+
+// Returns what is given for the area of an entry, 0 where the row has no such entry.
+Real given_area(uint row, int id, uint shift) {
+    const uint end = part_offsets[row + 1u];
+    for (uint e = part_offsets[row]; e < end; ++e)
+        if (slice_rows[e] == id && (!has(GRADIENT_SHIFTS) || slice_shifts[e] == shift)) return Real(given_areas[e]);
+    return Real(0.0);
+}
+
+// Adds the growth of the three faces at an edge. t: along it.
+void add_edge(uint face, uint other, Plane a, Plane b, Vec3 t, Vec3 begin, Vec3 end) {
+    const bool is_wall = other >= neighbors;
+    const uint seed = seed_of(face), shift = shift_of(face);
+    Real of_a = Real(given_areas[first + face]) + given_area(seed, int(cell), minus_shift(0u, shift)), of_b, of_both;
+    if (is_wall) {
+        const int id = -1 - int(wall_number(other - neighbors));
+        of_b = given_area(cell, id, 0u);
+        of_both = given_area(seed, id, 0u);
+    } else {
+        const uint other_seed = seed_of(other), other_shift = shift_of(other);
+        of_b = Real(given_areas[first + other]) + given_area(other_seed, int(cell), minus_shift(0u, other_shift));
+        of_both = given_area(seed, int(other_seed), minus_shift(other_shift, shift)) +
+                  given_area(other_seed, int(seed), minus_shift(shift, other_shift));
+    }
+    const Vec3 from_a = cross(t, a.n), from_b = cross(b.n, t);
+    Vec3 growth = from_a * (of_a / length(a.n)) + from_b * (of_b / length(b.n));
+    // The face of the two neighbors, or beyond a wall, of which it is a part, the neighbor's.
+    growth -= is_wall ? from_b * (of_both / length(b.n)) : (from_a + from_b) * (of_both / length(b.n - a.n));
+    const Real squared = dot(t, t), both = dot(a.n, b.n), square_a = dot(a.n, a.n), square_b = dot(b.n, b.n);
+    const Real moves_b = Real(is_wall ? 0.0 : 1.0);
+    const Vec3 v = (a.n * (square_b - moves_b * both) + b.n * (moves_b * square_a - both)) / squared;
+    const Real value = length_of_unit * dot(v, growth) * length(end - begin) / sqrt(squared);
+    by_point += value * Real(0.5) * (begin + end);
+    by_weight += value;
+}
+
+// Adds what moves with the edge of face a and plane b, if there is one.
+void add(uint face, uint other) {
+    const Plane a = plane_at(face), b = plane_at(other);
+    const Vec3 t = cross(a.n, b.n);
+    const Real squared = dot(t, t), both = dot(a.n, b.n), square_a = dot(a.n, a.n), square_b = dot(b.n, b.n);
+    if (!(squared > parallel * square_a * square_b)) return;
+    // The line of both planes, from the foot of the seed on.
+    const Vec3 foot = (a.n * (a.h * square_b - b.h * both) + b.n * (b.h * square_a - a.h * both)) / squared;
+    Real from = -beyond_all, to = beyond_all;
+    for (uint i = 0u; i < planes && from < to; ++i) {
+        if (i == face || i == other) continue;
+        const Plane c = plane_at(i);
+        const Real along = dot(c.n, t), room = c.h - dot(c.n, foot);
+        if (along > Real(0.0))
+            to = min(to, room / along);
+        else if (along < Real(0.0))
+            from = max(from, room / along);
+        else if (room < Real(0.0))
+            to = from;
+    }
+    if (!(from < to)) return;
+    const Vec3 begin = foot + from * t, end = foot + to * t;
+    if (has(GRADIENT_OF_VOLUMES | GRADIENT_OF_CENTROIDS)) {
+        const Real half_length = Real(0.5) * (to - from);  // of a vector t
+        add_triangle(face, a, half_length * dot(foot, cross(t, a.n)) / sqrt(square_a), begin, end);
+        if (other < neighbors)
+            add_triangle(other, b, half_length * dot(foot, cross(b.n, t)) / sqrt(square_b), begin, end);
+    }
+    if (has(GRADIENT_OF_AREAS)) add_edge(face, other, a, b, t, begin, end);
+}
+
+void put(uint number, Real value) {
+    if (!has(GRADIENT_FLOAT64)) {
+        gradient[number] = floatBitsToUint(float(value));
+        return;
+    }
+#ifdef FLOAT64
+    const uvec2 words = unpackDouble2x32(value);
+#else
+    const uint bits = floatBitsToUint(value);
+    const uvec2 words = (bits >> 23 & 0xffu) == 0xffu ? uvec2(0u, 0x7ff80000u) : widened(bits);
+#endif
+    gradient[2u * number] = words.x;
+    gradient[2u * number + 1u] = words.y;
+}
+
+void main() {
+    cell = linear_group();
+    const uint lane = gl_LocalInvocationID.x;
+    if (cell >= push.count) return;
+    const uint end = part_offsets[cell + 1u];
+    first = part_offsets[cell];
+    while (first < end && slice_rows[first] < 0) ++first;
+    neighbors = end - first;
+    if (neighbors == 0u) return;
+    for (uint k = 0u; k < 3u; ++k) place[k] = points[k * push.total + cell];
+    const uvec2 way[3] = way_to(0u);
+    const uvec2 bits = magnitude64(way[0]) | magnitude64(way[1]) | magnitude64(way[2]);
+    const int exponent = bits.y != 0u ? 32 + findMSB(bits.y) : max(findMSB(bits.x), 0);
+    scale = uintBitsToFloat(uint(127 - exponent) << 23);
+    length_of_unit = power_of_two(exponent - push.shift);
+    planes = neighbors + push.walls;
+
+    for (uint i = lane; i < min(planes, shared_planes); i += lanes) stored[i] = make_plane(i);
+    barrier();
+    // Each pair of faces once, then each face with each wall.
+    const uint pairs = neighbors * (neighbors - 1u) / 2u, all = pairs + neighbors * push.walls;
+    for (uint i = lane; i < all; i += lanes) {
+        const uint face = (i < pairs ? i : i - pairs) % neighbors, turn = (i < pairs ? i : i - pairs) / neighbors;
+        add(face, i < pairs ? (face + 1u + turn) % neighbors : neighbors + turn);
+    }
+    for (uint k = 0u; k < 3u; ++k) sums[k * lanes + lane] = by_point[k];
+    sums[3u * lanes + lane] = by_weight;
+    barrier();
+    if (lane >= 4u) return;
+    Real sum = Real(0.0);
+    for (uint i = 0u; i < lanes; ++i) sum += sums[lane * lanes + i];
+    if (lane < 3u)
+        put(3u * cell + lane, sum);
+    else
+        put(push.weights_at + cell, Real(0.5) * sum / length_of_unit);
+}
