@@ -1,5 +1,8 @@
 #include "gpu/frames/gradients.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "gpu/frames/frame.hpp"
 #include "gpu/passes/kernel_choice.hpp"
 #include "shaders.hpp"
@@ -9,7 +12,25 @@ namespace votess::gpu {
 
 using votess::vulkan::detail::PlanAccess;
 
-Gradients::Gradients(const votess::vulkan::Plan& plan, bool centroids) : plan_(plan) {
+static_assert(sizeof(GradientPush) == 120);  // without padding, and less than the 128 bytes that any device has
+
+GradientPasses::GradientPasses(vulkan::Device& device, bool float64, bool wide)
+    : GradientPasses(vulkan::PassBatch(device), float64, wide) {}
+
+GradientPasses::GradientPasses(vulkan::PassBatch&& batch, bool float64, bool wide)
+    : cells(batch.get({.name = "gradient_cells",
+                       .spirv = wide ? shaders::gradient_cells_f64 : shaders::gradient_cells_f32,
+                       .push_bytes = sizeof(GradientPush)})),
+      faces(batch.get({.name = "gradient_faces",
+                       .spirv = float64 ? shaders::gradient_faces_f64 : shaders::gradient_faces_f32,
+                       .push_bytes = sizeof(GradientPush),
+                       .local_size = GRADIENT_LANES})) {
+    batch.make();
+}
+
+namespace {
+
+GradientPasses make_passes(const votess::vulkan::Plan& plan, bool centroids) {
     vulkan::Device& device = PlanAccess::device(plan);
     const votess::vulkan::PlanOptions& options = plan.options();
     if (!options.neighbors)
@@ -19,18 +40,14 @@ Gradients::Gradients(const votess::vulkan::Plan& plan, bool centroids) : plan_(p
         throw Error(ErrorCode::unsupported,
                     device.adapter().name + " has no float64, which gradients by centroids of float64 points need: "
                                             "leave centroids out of want");
-    // Float64 wherever there is some: the pass is short, and float32 cannot see edges of nearly parallel faces.
-    const bool float64 = device.has_float64() && measure_from_environment() != Measure::float32;
-    vulkan::PassBatch batch(device);
-    passes_.push_back(batch.get({.name = "gradient_cells",
-                                 .spirv = wide ? shaders::gradient_cells_f64 : shaders::gradient_cells_f32,
-                                 .push_bytes = sizeof(GradientPush)}));
-    passes_.push_back(batch.get({.name = "gradient_faces",
-                                 .spirv = float64 ? shaders::gradient_faces_f64 : shaders::gradient_faces_f32,
-                                 .push_bytes = sizeof(GradientPush),
-                                 .local_size = GRADIENT_LANES}));
-    batch.make();
+    // Float64 wherever there is some: float32 does not see edges of nearly parallel faces.
+    return {device, device.has_float64() && measure_from_environment() != Measure::float32, wide};
 }
+
+}  // namespace
+
+Gradients::Gradients(const votess::vulkan::Plan& plan, bool centroids)
+    : plan_(plan), passes_(make_passes(plan, centroids)) {}
 
 void Gradients::record(vulkan::Recorder& recorder, const votess::vulkan::Frame& frame, std::uint32_t count,
                        const GradientArrays& arrays) const {
@@ -74,9 +91,9 @@ void Gradients::record(vulkan::Recorder& recorder, const votess::vulkan::Frame& 
     bind(BINDING_SLICE_SHIFTS, arrays.shifts);
     for (const std::uint32_t binding : {BINDING_POINTS, BINDING_RUN_STATE})
         bindings.set(binding, seeds.bindings().get(binding));
-    recorder.dispatch(passes_[0], bindings.list(), vulkan::push_bytes(push), count);
+    recorder.dispatch(passes_.cells, bindings.list(), vulkan::push_bytes(push), count);
     recorder.barrier();
-    recorder.dispatch(passes_[1], bindings.list(), vulkan::push_bytes(push), std::uint64_t{count} * GRADIENT_LANES);
+    recorder.dispatch(passes_.faces, bindings.list(), vulkan::push_bytes(push), std::uint64_t{count} * GRADIENT_LANES);
     recorder.barrier();
 }
 

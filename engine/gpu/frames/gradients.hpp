@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "gpu/vulkan/recorder.hpp"
 #include "votess/vulkan.hpp"
@@ -20,6 +19,16 @@ struct GradientArrays {
     Slice gradient;  // 4 numbers for each of the plan's most_seeds: 3 by each point, then those by weights
 };
 
+// The pipelines. Throws as Gradients().
+struct GradientPasses {
+    // float64: whether faces are measured in it. wide: points, centroids and their vectors are float64.
+    GradientPasses(vulkan::Device& device, bool float64, bool wide);
+    vulkan::Pass cells, faces;
+
+private:
+    GradientPasses(vulkan::PassBatch&& batch, bool float64, bool wide);
+};
+
 class Gradients {
 public:
     static constexpr VkDeviceSize slope_bytes = 16;
@@ -35,7 +44,7 @@ public:
 
 private:
     votess::vulkan::Plan plan_;
-    std::vector<vulkan::Pass> passes_;  // gradient_cells, gradient_faces
+    GradientPasses passes_;
 };
 
 }  // namespace votess::gpu

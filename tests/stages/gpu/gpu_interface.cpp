@@ -6,6 +6,7 @@
 #include <mutex>
 #include <set>
 
+#include "gpu/frames/gradients.hpp"
 #include "gpu/passes/passes.hpp"
 #include "gpu/vulkan/spirv.hpp"
 #include "shaders.hpp"
@@ -150,6 +151,10 @@ TEST_SUITE("stages") {
             s.tiers[1].float64 = device->has_float64();
             CAPTURE(bits);
             const votess::gpu::Passes passes(*device, s);
+        }
+        for (unsigned bits = 0; bits < 4; ++bits) {
+            const bool float64 = (bits & 1) != 0 && device->has_float64(), wide = (bits & 2) != 0 && float64;
+            const votess::gpu::GradientPasses passes(*device, float64, wide);
         }
         // All ids of the table are used.
         CHECK(calls.all_bindings.size() == BINDING_COUNT);
