@@ -206,7 +206,7 @@ void check_order(std::uint64_t after, std::uint64_t done) {
 }
 
 void check_gradients(const auto& frames) {
-    if (!frames.has_gradients()) refuse("these frames have no gradients: make frames with gradients");
+    if (!frames.has_gradients()) refuse("these frames compute no gradient: set that option when you make them");
 }
 
 }  // namespace
@@ -217,7 +217,8 @@ void Frames::vjp(const detail::FrameVectors& given, double* by_points, double* b
     gpu::HostFrames& frames = *state_->frames;
     check_gradients(frames);
     if (!frames.has_run())
-        throw Error(ErrorCode::invalid_use, "gradients are those of the last run, and there is none: run these frames first");
+        throw Error(ErrorCode::invalid_use,
+                    "gradients are those of the last run, and there is none: run these frames first");
     const auto check = [](bool is_given, bool has, const char* name) {
         if (is_given && !has)
             refuse(std::string("vectors for ") + name + " are given, but the cells have none: put them into want");

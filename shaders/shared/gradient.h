@@ -5,13 +5,13 @@
 #include "shared/layout.h"
 
 // GradientPush.bits
-#define GRADIENT_SHIFTS 1u         // rows have shifts
-#define GRADIENT_WEIGHTS 2u        // points have weights
-#define GRADIENT_OF_VOLUMES 4u     // vectors are given for volumes, and so on
+#define GRADIENT_SHIFTS 1u      // rows have shifts
+#define GRADIENT_WEIGHTS 2u     // points have weights
+#define GRADIENT_OF_VOLUMES 4u  // vectors are given for volumes, and so on
 #define GRADIENT_OF_CENTROIDS 8u
 #define GRADIENT_OF_AREAS 16u
-#define GRADIENT_FLOAT64 32u       // outputs are float64
-#define GRADIENT_OBLIQUE 64u  // walls have any direction; else they are faces of the box, two an axis
+#define GRADIENT_FLOAT64 32u   // outputs are float64
+#define GRADIENT_OBLIQUE 64u   // walls have any direction; else they are faces of the box, two an axis
 #define GRADIENT_AXES_SHIFT 8  // two bits for each of these axes
 
 #define GRADIENT_LANES 32  // invocations of a work-group, which makes the numbers of a seed

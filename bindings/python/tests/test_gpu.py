@@ -12,7 +12,7 @@ import threading
 import unittest
 
 import numpy as np
-from helpers import CELL, CUBE, PACKAGE_PARENT, UNIT_BOX, uniform
+from helpers import CELL, CUBE, PACKAGE_PARENT, UNIT_BOX, have, uniform
 from test_wrong_values import RIGHT, VALUES
 
 import pyvotess as vt
@@ -198,10 +198,40 @@ class OnDevice(unittest.TestCase):
             self.assertTrue(np.isfinite(found).all())
         self.assertEqual([len(array) for array in frames(points[:0]).vjp()], [0, 0])
 
+    @have("torch")
+    def test_torch(self):
+        import torch
+
+        from pyvotess.autodiff.torch import measure
+
+        start, spread = uniform(60, seed=3), np.random.default_rng(4).uniform(0, 0.002, 60)
+        frames = self.frames(60, box=UNIT_BOX, periodic=True, weights=(0, 0.002), gradients=True)
+        points, weights = (torch.from_numpy(array).requires_grad_() for array in (start, spread))
+        m = measure(frames, points, weights)
+        t = vt.tessellate(start, weights=spread, box=UNIT_BOX, periodic=True, want=ALL, device="cpu")
+        np.testing.assert_array_equal(m.adjacency.numpy(), t.indices)
+        np.testing.assert_array_equal(m.offsets.numpy(), t.indptr)
+        self.assertEqual([m.volumes.dtype, m.centroids.dtype, m.areas.dtype], [torch.float32, torch.float64, torch.float32])
+        ((m.volumes**2).sum() + ((m.centroids - points) ** 2).sum() + (m.areas**2).sum()).backward()
+        away = t.centroids - start
+        given = {"volumes": 2 * t.volumes, "centroids": 2 * away, "face_areas": 2 * t.face_areas}
+        by_points, by_weights = vjp_on_cpu(start, spread, given, box=UNIT_BOX, periodic=True)
+        np.testing.assert_allclose(points.grad, by_points - 2 * away, atol=1e-5 * np.abs(by_points).max())
+        np.testing.assert_allclose(weights.grad, by_weights, atol=1e-5 * np.abs(by_weights).max())
+        narrow = points.detach().to(torch.float32).requires_grad_()
+        lists = self.frames(60, box=UNIT_BOX, want="neighbors,volumes", gradients=True)
+        m = measure(lists, narrow)
+        self.assertEqual([m.centroids, m.areas], [None, None])
+        measure(lists, narrow)
+        with self.assertRaisesRegex(ValueError, "the last call"):
+            m.volumes.sum().backward()
+        measure(lists, narrow).volumes[3].backward()
+        self.assertEqual(narrow.grad.dtype, torch.float32)
+
     def test_wrong_gradients(self):
         points = uniform(50)
         cells = self.frames(50, box=UNIT_BOX)(points)
-        with self.assertRaisesRegex(ValueError, "have no gradients: make frames with gradients"):
+        with self.assertRaisesRegex(ValueError, "compute no gradient: set that option"):
             cells.vjp(volumes=cells.volumes)
         frames = self.frames(50, box=UNIT_BOX, want="neighbors,volumes", gradients=True)
         cells = frames(points).resolve()

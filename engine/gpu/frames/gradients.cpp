@@ -37,9 +37,9 @@ GradientPasses make_passes(const votess::vulkan::Plan& plan, bool centroids) {
         throw Error(ErrorCode::invalid_argument, "gradients follow the rows: request neighbors too");
     const bool wide = options.format == votess::vulkan::SeedFormat::float64 && centroids;
     if (wide && !device.has_float64())
-        throw Error(ErrorCode::unsupported,
-                    device.adapter().name + " has no float64, which gradients by centroids of float64 points need: "
-                                            "leave centroids out of want");
+        throw Error(ErrorCode::unsupported, device.adapter().name +
+                                                " has no float64, which gradients by centroids of float64 points need: "
+                                                "leave centroids out of want");
     // Float64 wherever there is some: float32 does not see edges of nearly parallel faces.
     return {device, device.has_float64() && measure_from_environment() != Measure::float32, wide};
 }

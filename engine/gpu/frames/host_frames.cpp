@@ -89,11 +89,9 @@ void HostFrames::vjp(const detail::FrameVectors& given, double* by_points, doubl
         return upload(std::span(numbers, numbers == nullptr ? 0 : size), "vectors");
     };
     const std::vector<double> widened(rows.centroids32.begin(), rows.centroids32.end());
-    const vulkan::Buffer slopes =
-        memory_.buffer(count_ * Gradients::slope_bytes, vulkan::MemoryKind::device, "slopes");
+    const vulkan::Buffer slopes = memory_.buffer(count_ * Gradients::slope_bytes, vulkan::MemoryKind::device, "slopes");
     const std::size_t most = plan_.options().most_seeds;
-    const vulkan::Buffer gradient =
-        memory_.buffer(4 * most * sizeof(double), vulkan::MemoryKind::download, "gradient");
+    const vulkan::Buffer gradient = memory_.buffer(4 * most * sizeof(double), vulkan::MemoryKind::download, "gradient");
     const GradientArrays arrays{
         .points = seeds_,
         .status = upload(rows.status, "status"),
