@@ -111,6 +111,7 @@ VOTESS_API votess_status votess_frames_submit(votess_frames* frames, uint32_t co
 // Submits the gradient for the points of the last frame, as votess_frames_vjp() sets it. given: VOTESS_WANT_VOLUMES,
 // VOTESS_WANT_CENTROIDS and VOTESS_WANT_AREAS, for the vectors that are written by the time of `after`. The gradient of
 // points whose cells are unresolved is NaN, and that of their neighbors where vectors for their centroids are not 0.
+// It is NaN too where a driver limits loops, as llvmpipe does, and a cell has some hundred neighbors.
 VOTESS_API votess_status votess_frames_submit_vjp(votess_frames* frames, uint32_t given, uint64_t after, uint64_t done);
 // Set the semaphore, or wait for it, on the host. Any thread may call them.
 VOTESS_API votess_status votess_frames_signal(votess_frames* frames, uint64_t value);

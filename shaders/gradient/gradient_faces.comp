@@ -19,6 +19,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "clip/wall_distance.glsl"
 #include "invocations/index.glsl"
+#include "invocations/loop_guard.glsl"
 #include "numbers/int64.glsl"
 #include "numbers/widened.glsl"
 #include "shared/gradient.h"
@@ -48,7 +49,7 @@ layout(std430, binding = BINDING_SLOPES) readonly buffer Slopes { vec4 slopes[];
 layout(std430, binding = BINDING_GIVEN_AREAS) readonly buffer GivenAreas { float given_areas[]; };
 layout(std430, binding = BINDING_GRADIENT) writeonly buffer Gradient { uint gradient[]; };
 
-const uint lanes = GRADIENT_LANES, shared_planes = 64u;
+const uint lanes = GRADIENT_LANES, shared_planes = 128u;
 const Real beyond_all = Real(1.0e30);
 
 struct Plane {
@@ -58,6 +59,7 @@ struct Plane {
 
 shared Plane stored[shared_planes];
 shared Real sums[4u * lanes];
+shared uint was_cut_short;  // 1: the driver ended loops early
 
 uint cell;
 uint first, neighbors;  // entries of the row that are seeds: its faces 0, 1, ...; walls are planes behind them
@@ -109,7 +111,8 @@ uvec2[3] way_to(uint face) {
     const uint seed = seed_of(face), shift = shift_of(face);
     for (uint k = 0u; k < 3u; ++k) {
         d[k] = subtract64(points[k * push.total + seed], place[k]);
-        for (uint v = 0u; v < 3u && shift != 0u; ++v)
+        if (shift == 0u) continue;
+        for (uint v = 0u; v < 3u; ++v)
             d[k] = add64(d[k], times64(bitfieldExtract(int(shift), int(8u * v), 8), push.vector[3u * v + k]));
     }
     return d;
@@ -254,6 +257,15 @@ void put(uint number, Real value) {
     gradient[2u * number + 1u] = words.y;
 }
 
+void put_unknown(uint number) {
+    if (!has(GRADIENT_FLOAT64)) {
+        gradient[number] = 0x7fc00000u;
+        return;
+    }
+    gradient[2u * number] = 0u;
+    gradient[2u * number + 1u] = GRADIENT_UNKNOWN;
+}
+
 void main() {
     cell = linear_group();
     const uint lane = gl_LocalInvocationID.x;
@@ -271,6 +283,7 @@ void main() {
     length_of_unit = power_of_two(exponent - push.shift);
     planes = neighbors + push.walls;
 
+    was_cut_short = 0u;
     for (uint i = lane; i < min(planes, shared_planes); i += lanes) stored[i] = make_plane(i);
     barrier();
     // Each pair of faces once, then each face with each wall.
@@ -281,12 +294,14 @@ void main() {
     }
     for (uint k = 0u; k < 3u; ++k) sums[k * lanes + lane] = by_point[k];
     sums[3u * lanes + lane] = by_weight;
+    if (loops_were_cut_short(planes + 1u)) was_cut_short = 1u;
     barrier();
     if (lane >= 4u) return;
     Real sum = Real(0.0);
     for (uint i = 0u; i < lanes; ++i) sum += sums[lane * lanes + i];
-    if (lane < 3u)
-        put(3u * cell + lane, sum);
+    const uint number = lane < 3u ? 3u * cell + lane : push.weights_at + cell;
+    if (was_cut_short != 0u || loops_were_cut_short(planes + 1u))
+        put_unknown(number);
     else
-        put(push.weights_at + cell, Real(0.5) * sum / length_of_unit);
+        put(number, lane < 3u ? sum : Real(0.5) * sum / length_of_unit);
 }

@@ -198,6 +198,21 @@ class OnDevice(unittest.TestCase):
             self.assertTrue(np.isfinite(found).all())
         self.assertEqual([len(array) for array in frames(points[:0]).vjp()], [0, 0])
 
+    def test_gradients_of_a_cell_with_many_faces(self):
+        """The planes of the first one do not fit into shared memory. The driver ends the loops of the second one early."""
+        for count in (150, 600):
+            way = np.random.default_rng(5).normal(size=(count, 3))
+            points = np.concatenate(([[0.5, 0.5, 0.5]], 0.5 + 0.4 * way / np.linalg.norm(way, axis=1, keepdims=True)))
+            cells = self.frames(count + 1, box=UNIT_BOX, gradients=True)(points).resolve()
+            self.assertGreater(cells.indptr[1], 0.9 * count)
+            vectors = vectors_for(cells)
+            if count == 150:
+                for found, expected in zip(cells.vjp(**vectors), vjp_on_cpu(points, None, vectors, box=UNIT_BOX)):
+                    np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
+            elif DEVICE == "lavapipe":
+                with self.assertRaisesRegex(vt.VotessError, r"ended the loops for point 0 early, whose cell has \d+ entries"):
+                    cells.vjp(**vectors)
+
     @have("torch")
     def test_torch(self):
         import torch
@@ -313,9 +328,10 @@ class OnDevice(unittest.TestCase):
         page = pathlib.Path(PACKAGE_PARENT) / "docs/pages/tensors.md"
         if not page.exists():
             self.skipTest("the pages are not installed")
+        names = {"DEVICE": DEVICE}
         for code in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
             if "import torch" not in code:
-                exec(code, {"DEVICE": DEVICE})  # noqa: S102
+                exec(code, names)  # noqa: S102
 
     def test_threads(self):
         """Each thread with frames of its own on one device."""

@@ -1,6 +1,7 @@
 #include "gpu/frames/host_frames.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "core/progress.hpp"
 #include "gpu/frames/frame.hpp"
 #include "gpu/frames/gather_rows.hpp"
+#include "shared/gradient.h"
 
 namespace votess::gpu {
 
@@ -114,6 +116,17 @@ void HostFrames::vjp(const detail::FrameVectors& given, double* by_points, doubl
     device_->instance().check_messages();
     gradient.invalidate();
     const std::span<const double> found = gradient.as<double>();
+    const auto is_unknown = [](double number) {
+        return std::bit_cast<std::uint64_t>(number) == std::uint64_t{GRADIENT_UNKNOWN} << 32;
+    };
+    const auto unknown = std::ranges::find_if(found.first(3 * count_), is_unknown) - found.begin();
+    if (static_cast<std::size_t>(unknown) < 3 * count_) {
+        const auto point = static_cast<std::size_t>(unknown) / 3;
+        throw Error(ErrorCode::unsupported,
+                    "the driver of " + device_->adapter().name + " ended the loops for point " + std::to_string(point) +
+                        " early, whose cell has " + std::to_string(rows.indptr[point + 1] - rows.indptr[point]) +
+                        " entries in its row: no gradient on this device, use tessellate() and its derivatives");
+    }
     std::ranges::copy(found.first(3 * count_), by_points);
     std::ranges::copy(found.subspan(3 * most, count_), by_weights);
 }
