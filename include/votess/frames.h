@@ -31,7 +31,8 @@ typedef struct votess_frames_options {
     // votess_frames_get_export. The device is then the one with the UUID, not that of the options. 0: in host memory.
     int32_t exported;
     uint8_t device_uuid[16];
-    int32_t gradients;  // 1: there is votess_frames_vjp, or votess_frames_submit_vjp; needs neighbors in `want`
+    int32_t gradients;  // 1: there is votess_frames_vjp, or votess_frames_submit_vjp; needs float64, and neighbors in
+                        // `want`
 } votess_frames_options;
 
 #define VOTESS_EXPORT_FLOAT32 4
@@ -75,10 +76,10 @@ VOTESS_API votess_status votess_frame_cells_array(const votess_frame_cells* cell
 // Sets the derivatives of a number by the points and weights of the last run: by_points 3N, by_weights N. volumes,
 // centroids, face_areas: its derivatives by these arrays of the cells, and as long; or NULL, 0. So it is a
 // vector-Jacobian product. Those for centroids need volumes in `want` too; they are ignored where a point has no cell.
-// The derivatives are in closed form, on the device, right to about 1e-5 of their largest terms; on a device without
-// float64 that is true unless faces of a cell are nearly parallel. Points without a cell have 0. Box, walls and the
-// vectors of a periodic domain are fixed. Without weights, by_weights is the derivative at weights of 0. Refused while
-// cells are unresolved.
+// The derivatives are in closed form, on the device, and usually right to 1e-5 of the largest one. Narrow cells of
+// clusters lose digits, and cells far from their seeds in a power diagram. Points without a cell have 0. Box, walls and
+// the vectors of a periodic domain are fixed. Without weights, by_weights is the derivative at weights of 0. Refused
+// while cells are unresolved.
 VOTESS_API votess_status votess_frames_vjp(votess_frames* frames, const float* volumes, const double* centroids,
                                            const float* face_areas, double* by_points, double* by_weights);
 

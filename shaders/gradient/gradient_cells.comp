@@ -25,7 +25,7 @@ layout(std430, binding = BINDING_GEOMETRY) readonly buffer Volumes { float volum
 layout(std430, binding = BINDING_PART_GEOMETRY) readonly buffer Centroids { REAL centroids[]; };
 layout(std430, binding = BINDING_GIVEN_VOLUMES) readonly buffer GivenVolumes { float given_volumes[]; };
 layout(std430, binding = BINDING_GIVEN_CENTROIDS) readonly buffer GivenCentroids { REAL given_centroids[]; };
-layout(std430, binding = BINDING_SLOPES) writeonly buffer Slopes { vec4 slopes[]; };
+layout(std430, binding = BINDING_SLOPES) writeonly buffer Slopes { dvec4 slopes[]; };
 layout(std430, binding = BINDING_GRADIENT) writeonly buffer Gradient { uint gradient[]; };
 
 bool has(uint bit) {
@@ -47,17 +47,17 @@ void main() {
     if (cell >= push.count) return;
     const uint status = statuses[cell];
     const bool has_none = status == STATUS_DUPLICATE || status == STATUS_EMPTY || status == STATUS_OUTSIDE;
-    vec4 slope = vec4(0.0);
-    if (has(GRADIENT_OF_VOLUMES)) slope.w = given_volumes[cell];
+    dvec4 slope = dvec4(0.0LF);
+    if (has(GRADIENT_OF_VOLUMES)) slope.w = double(given_volumes[cell]);
     if (has(GRADIENT_OF_CENTROIDS)) {
-        vec3 given, from_seed;
+        dvec3 given, from_seed;
         for (uint k = 0u; k < 3u; ++k) {
-            given[k] = float(given_centroids[3u * cell + k]);
-            from_seed[k] = float(centroids[3u * cell + k] - raw[3u * cell + k]);
+            given[k] = double(given_centroids[3u * cell + k]);
+            from_seed[k] = double(centroids[3u * cell + k]) - double(raw[3u * cell + k]);
         }
         // A cell that is missing spoils its neighbors only where the number depends on its centroid, which is NaN.
-        if (given != vec3(0.0) && !has_none) {
-            slope.xyz = given / volumes[cell];
+        if (given != dvec3(0.0LF) && !has_none) {
+            slope.xyz = given / double(volumes[cell]);
             slope.w -= dot(slope.xyz, from_seed);
         }
     }

@@ -14,27 +14,16 @@
 // is a wall. Three faces meet there: a, b, and that of the two neighbors. Each grows by the part of this along its
 // outward normal in its plane: those of t x n_a, n_b x t and t x (n_b - n_a).
 //
-// Lengths are in units of the cell: powers of two, near the distance of a neighbor. Variant: FLOAT64.
+// Lengths are in units of the cell: powers of two, near the distance of a neighbor. All numbers are float64: float32 loses the edges of narrow cells.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "clip/wall_distance.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
 #include "numbers/int64.glsl"
-#include "numbers/widened.glsl"
 #include "shared/gradient.h"
 #include "shared/interface.h"
 #include "shared/layout.h"
-
-#ifdef FLOAT64
-#define Real double
-#define Vec3 dvec3
-const Real parallel = Real(1.0e-24);  // squared sine of an angle below which planes have no edge
-#else
-#define Real float
-#define Vec3 vec3
-const Real parallel = Real(1.0e-12);
-#endif
 
 layout(push_constant) uniform Push { GradientPush push; };
 layout(std430, binding = BINDING_POINTS) readonly buffer Points { uvec2 points[]; };
@@ -45,20 +34,21 @@ layout(std430, binding = BINDING_RUN_STATE) readonly buffer State {
 layout(std430, binding = BINDING_PART_OFFSETS) readonly buffer PartOffsets { uint part_offsets[]; };
 layout(std430, binding = BINDING_SLICE_ROWS) readonly buffer SliceRows { int slice_rows[]; };
 layout(std430, binding = BINDING_SLICE_SHIFTS) readonly buffer SliceShifts { uint slice_shifts[]; };
-layout(std430, binding = BINDING_SLOPES) readonly buffer Slopes { vec4 slopes[]; };
+layout(std430, binding = BINDING_SLOPES) readonly buffer Slopes { dvec4 slopes[]; };
 layout(std430, binding = BINDING_GIVEN_AREAS) readonly buffer GivenAreas { float given_areas[]; };
 layout(std430, binding = BINDING_GRADIENT) writeonly buffer Gradient { uint gradient[]; };
 
 const uint lanes = GRADIENT_LANES, shared_planes = 128u;
-const Real beyond_all = Real(1.0e30);
+const double beyond_all = 1.0e30LF;
+const double parallel = 1.0e-24LF;  // squared sine of an angle below which planes have no edge
 
 struct Plane {
-    Vec3 n;
-    Real h;
+    dvec3 n;
+    double h;
 };
 
 shared Plane stored[shared_planes];
-shared Real sums[4u * lanes];
+shared double sums[4u * lanes];
 shared uint was_cut_short;  // 1: the driver ended loops early
 
 uint cell;
@@ -66,31 +56,23 @@ uint first, neighbors;  // entries of the row that are seeds: its faces 0, 1, ..
 uint planes;
 uvec2 place[3];
 float scale;  // units to units of the cell
-Real length_of_unit;
-Vec3 by_point = Vec3(0.0);
-Real by_weight = Real(0.0);  // twice
+double length_of_unit;
+dvec3 by_point = dvec3(0.0);
+double by_weight = 0.0LF;  // twice
 
 bool has(uint bit) {
     return (push.bits & bit) != 0u;
 }
 
 // Returns a number in two's complement.
-Real whole(uvec2 d) {
+double whole(uvec2 d) {
     const uvec2 m = magnitude64(d);
-#ifdef FLOAT64
-    const Real size = Real(m.y) * 4294967296.0LF + Real(m.x);
-#else
-    const Real size = round64(m);
-#endif
+    const double size = double(m.y) * 4294967296.0LF + double(m.x);
     return is_negative(d) ? -size : size;
 }
 
-Real power_of_two(int exponent) {
-#ifdef FLOAT64
+double power_of_two(int exponent) {
     return packDouble2x32(uvec2(0u, uint(clamp(exponent + 1023, 0, 2047)) << 20));
-#else
-    return ldexp(1.0, exponent);
-#endif
 }
 
 uint seed_of(uint face) {
@@ -120,14 +102,14 @@ uvec2[3] way_to(uint face) {
 
 Plane bisector(uint face) {
     const uvec2 d[3] = way_to(face);
-    const Vec3 n = Vec3(whole(d[0]), whole(d[1]), whole(d[2])) * Real(scale);
-    Real twice = dot(n, n);
+    const dvec3 n = dvec3(whole(d[0]), whole(d[1]), whole(d[2])) * double(scale);
+    double twice = dot(n, n);
     if (has(GRADIENT_WEIGHTS)) {
         const uint at = 3u * push.total;
-        const Real lighter = whole(subtract64(points[at + cell], points[at + seed_of(face)])) * Real(scale);
-        twice += lighter * (Real(scale) * power_of_two(state.weight_exponent));
+        const double lighter = whole(subtract64(points[at + cell], points[at + seed_of(face)])) * double(scale);
+        twice += lighter * (double(scale) * power_of_two(state.weight_exponent));
     }
-    return Plane(n, Real(0.5) * twice);
+    return Plane(n, 0.5LF * twice);
 }
 
 // Returns the number of wall i: rows list it as -1 less the number.
@@ -140,16 +122,16 @@ uint wall_number(uint i) {
 Plane wall_plane(uint i) {
     if (has(GRADIENT_OBLIQUE)) {
         const WallPlane wall = walls[i];
-        if (!(wall.rough[3] < UNBOUNDED)) return Plane(Vec3(0.0), Real(1.0));
-        const Vec3 n = Vec3(whole(wall.normal[0]), whole(wall.normal[1]), whole(wall.normal[2]));
+        if (!(wall.rough[3] < UNBOUNDED)) return Plane(dvec3(0.0), 1.0LF);
+        const dvec3 n = dvec3(whole(wall.normal[0]), whole(wall.normal[1]), whole(wall.normal[2]));
         const uvec2 distance = whole_wall_distance(fine_wall_distance(wall, place[0], place[1], place[2]));
-        return Plane(n * power_of_two(-WALL_BITS), whole(distance) * Real(scale));
+        return Plane(n * power_of_two(-WALL_BITS), whole(distance) * double(scale));
     }
     const uint axis = wall_number(i) / 2u;
     const bool is_upper = (i & 1u) != 0u;
-    Vec3 n = Vec3(0.0);
-    n[axis] = Real(is_upper ? 1.0 : -1.0);
-    return Plane(n, whole(is_upper ? subtract64(push.extent[axis], place[axis]) : place[axis]) * Real(scale));
+    dvec3 n = dvec3(0.0);
+    n[axis] = is_upper ? 1.0LF : -1.0LF;
+    return Plane(n, whole(is_upper ? subtract64(push.extent[axis], place[axis]) : place[axis]) * double(scale));
 }
 
 Plane make_plane(uint i) {
@@ -161,80 +143,80 @@ Plane plane_at(uint i) {
 }
 
 // Adds the integrals over the triangle of an edge and the foot of the seed on its face. area: signed.
-void add_triangle(uint face, Plane a, Real area, Vec3 begin, Vec3 end) {
-    const vec4 own = slopes[cell], other = slopes[seed_of(face)];
-    const Real square = length_of_unit * length_of_unit, cube = square * length_of_unit;
-    const Vec3 other_slope = Vec3(other.xyz) * cube, slope = Vec3(own.xyz) * cube - other_slope;
-    const Real constant = (Real(own.w) - Real(other.w)) * square + dot(other_slope, a.n);
-    const Vec3 foot = a.n * (a.h / dot(a.n, a.n));
-    const Vec3 middles[3] = Vec3[3](Real(0.5) * (foot + begin), Real(0.5) * (begin + end), Real(0.5) * (end + foot));
-    const Real third = area / (Real(3.0) * length(a.n));
+void add_triangle(uint face, Plane a, double area, dvec3 begin, dvec3 end) {
+    const dvec4 own = slopes[cell], other = slopes[seed_of(face)];
+    const double square = length_of_unit * length_of_unit, cube = square * length_of_unit;
+    const dvec3 other_slope = other.xyz * cube, slope = own.xyz * cube - other_slope;
+    const double constant = (own.w - other.w) * square + dot(other_slope, a.n);
+    const dvec3 foot = a.n * (a.h / dot(a.n, a.n));
+    const dvec3 middles[3] = dvec3[3](0.5LF * (foot + begin), 0.5LF * (begin + end), 0.5LF * (end + foot));
+    const double third = area / (3.0LF * length(a.n));
     for (int k = 0; k < 3; ++k) {
-        const Real value = third * (constant + dot(slope, middles[k]));
+        const double value = third * (constant + dot(slope, middles[k]));
         by_point += value * middles[k];
         by_weight += value;
     }
 }
 
 // Returns what is given for the area of an entry, 0 where the row has no such entry.
-Real given_area(uint row, int id, uint shift) {
+double given_area(uint row, int id, uint shift) {
     const uint end = part_offsets[row + 1u];
     for (uint e = part_offsets[row]; e < end; ++e)
-        if (slice_rows[e] == id && (!has(GRADIENT_SHIFTS) || slice_shifts[e] == shift)) return Real(given_areas[e]);
-    return Real(0.0);
+        if (slice_rows[e] == id && (!has(GRADIENT_SHIFTS) || slice_shifts[e] == shift)) return double(given_areas[e]);
+    return 0.0LF;
 }
 
 // Adds the growth of the three faces at an edge. t: along it.
-void add_edge(uint face, uint other, Plane a, Plane b, Vec3 t, Vec3 begin, Vec3 end) {
+void add_edge(uint face, uint other, Plane a, Plane b, dvec3 t, dvec3 begin, dvec3 end) {
     const bool is_wall = other >= neighbors;
     const uint seed = seed_of(face), shift = shift_of(face);
-    Real of_a = Real(given_areas[first + face]) + given_area(seed, int(cell), minus_shift(0u, shift)), of_b, of_both;
+    double of_a = double(given_areas[first + face]) + given_area(seed, int(cell), minus_shift(0u, shift)), of_b, of_both;
     if (is_wall) {
         const int id = -1 - int(wall_number(other - neighbors));
         of_b = given_area(cell, id, 0u);
         of_both = given_area(seed, id, 0u);
     } else {
         const uint other_seed = seed_of(other), other_shift = shift_of(other);
-        of_b = Real(given_areas[first + other]) + given_area(other_seed, int(cell), minus_shift(0u, other_shift));
+        of_b = double(given_areas[first + other]) + given_area(other_seed, int(cell), minus_shift(0u, other_shift));
         of_both = given_area(seed, int(other_seed), minus_shift(other_shift, shift)) +
                   given_area(other_seed, int(seed), minus_shift(shift, other_shift));
     }
-    const Vec3 from_a = cross(t, a.n), from_b = cross(b.n, t);
-    Vec3 growth = from_a * (of_a / length(a.n)) + from_b * (of_b / length(b.n));
+    const dvec3 from_a = cross(t, a.n), from_b = cross(b.n, t);
+    dvec3 growth = from_a * (of_a / length(a.n)) + from_b * (of_b / length(b.n));
     // The face of the two neighbors, or beyond a wall, of which it is a part, the neighbor's.
     growth -= is_wall ? from_b * (of_both / length(b.n)) : (from_a + from_b) * (of_both / length(b.n - a.n));
-    const Real squared = dot(t, t), both = dot(a.n, b.n), square_a = dot(a.n, a.n), square_b = dot(b.n, b.n);
-    const Real moves_b = Real(is_wall ? 0.0 : 1.0);
-    const Vec3 v = (a.n * (square_b - moves_b * both) + b.n * (moves_b * square_a - both)) / squared;
-    const Real value = length_of_unit * dot(v, growth) * length(end - begin) / sqrt(squared);
-    by_point += value * Real(0.5) * (begin + end);
+    const double squared = dot(t, t), both = dot(a.n, b.n), square_a = dot(a.n, a.n), square_b = dot(b.n, b.n);
+    const double moves_b = is_wall ? 0.0LF : 1.0LF;
+    const dvec3 v = (a.n * (square_b - moves_b * both) + b.n * (moves_b * square_a - both)) / squared;
+    const double value = length_of_unit * dot(v, growth) * length(end - begin) / sqrt(squared);
+    by_point += value * 0.5LF * (begin + end);
     by_weight += value;
 }
 
 // Adds what moves with the edge of face a and plane b, if there is one.
 void add(uint face, uint other) {
     const Plane a = plane_at(face), b = plane_at(other);
-    const Vec3 t = cross(a.n, b.n);
-    const Real squared = dot(t, t), both = dot(a.n, b.n), square_a = dot(a.n, a.n), square_b = dot(b.n, b.n);
+    const dvec3 t = cross(a.n, b.n);
+    const double squared = dot(t, t), both = dot(a.n, b.n), square_a = dot(a.n, a.n), square_b = dot(b.n, b.n);
     if (!(squared > parallel * square_a * square_b)) return;
     // The line of both planes, from the foot of the seed on.
-    const Vec3 foot = (a.n * (a.h * square_b - b.h * both) + b.n * (b.h * square_a - a.h * both)) / squared;
-    Real from = -beyond_all, to = beyond_all;
+    const dvec3 foot = (a.n * (a.h * square_b - b.h * both) + b.n * (b.h * square_a - a.h * both)) / squared;
+    double from = -beyond_all, to = beyond_all;
     for (uint i = 0u; i < planes && from < to; ++i) {
         if (i == face || i == other) continue;
         const Plane c = plane_at(i);
-        const Real along = dot(c.n, t), room = c.h - dot(c.n, foot);
-        if (along > Real(0.0))
+        const double along = dot(c.n, t), room = c.h - dot(c.n, foot);
+        if (along > 0.0LF)
             to = min(to, room / along);
-        else if (along < Real(0.0))
+        else if (along < 0.0LF)
             from = max(from, room / along);
-        else if (room < Real(0.0))
+        else if (room < 0.0LF)
             to = from;
     }
     if (!(from < to)) return;
-    const Vec3 begin = foot + from * t, end = foot + to * t;
+    const dvec3 begin = foot + from * t, end = foot + to * t;
     if (has(GRADIENT_OF_VOLUMES | GRADIENT_OF_CENTROIDS)) {
-        const Real half_length = Real(0.5) * (to - from);  // of a vector t
+        const double half_length = 0.5LF * (to - from);  // of a vector t
         add_triangle(face, a, half_length * dot(foot, cross(t, a.n)) / sqrt(square_a), begin, end);
         if (other < neighbors)
             add_triangle(other, b, half_length * dot(foot, cross(b.n, t)) / sqrt(square_b), begin, end);
@@ -242,17 +224,12 @@ void add(uint face, uint other) {
     if (has(GRADIENT_OF_AREAS)) add_edge(face, other, a, b, t, begin, end);
 }
 
-void put(uint number, Real value) {
+void put(uint number, double value) {
     if (!has(GRADIENT_FLOAT64)) {
         gradient[number] = floatBitsToUint(float(value));
         return;
     }
-#ifdef FLOAT64
     const uvec2 words = unpackDouble2x32(value);
-#else
-    const uint bits = floatBitsToUint(value);
-    const uvec2 words = (bits >> 23 & 0xffu) == 0xffu ? uvec2(0u, 0x7ff80000u) : widened(bits);
-#endif
     gradient[2u * number] = words.x;
     gradient[2u * number + 1u] = words.y;
 }
@@ -297,11 +274,11 @@ void main() {
     if (loops_were_cut_short(planes + 1u)) was_cut_short = 1u;
     barrier();
     if (lane >= 4u) return;
-    Real sum = Real(0.0);
+    double sum = 0.0LF;
     for (uint i = 0u; i < lanes; ++i) sum += sums[lane * lanes + i];
     const uint number = lane < 3u ? 3u * cell + lane : push.weights_at + cell;
     if (was_cut_short != 0u || loops_were_cut_short(planes + 1u))
         put_unknown(number);
     else
-        put(number, lane < 3u ? sum : Real(0.5) * sum / length_of_unit);
+        put(number, lane < 3u ? sum : 0.5LF * sum / length_of_unit);
 }

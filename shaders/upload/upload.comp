@@ -7,7 +7,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
 #include "numbers/int64.glsl"
-#include "numbers/widened.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 
@@ -27,6 +26,19 @@ uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
 uvec2 ordered_bits(uvec2 bits) {
     if (bits == uvec2(0u, 0x80000000u)) bits = uvec2(0);
     return (bits.y & 0x80000000u) != 0u ? ~bits : uvec2(bits.x, bits.y | 0x80000000u);
+}
+
+// Returns the bits of the double that equals a finite float.
+uvec2 widened(uint bits) {
+    uint exponent = (bits >> 23) & 0xffu, mantissa = bits & 0x7fffffu;
+    const uint sign = bits & 0x80000000u;
+    if (exponent == 0u) {
+        if (mantissa == 0u) return uvec2(0u, sign);
+        const uint up = 23u - uint(findMSB(mantissa));
+        mantissa = (mantissa << up) & 0x7fffffu;
+        return uvec2(mantissa << 29, sign | ((897u - up) << 20) | (mantissa >> 3));
+    }
+    return uvec2(mantissa << 29, sign | ((exponent + 896u) << 20) | (mantissa >> 3));
 }
 
 uint place_of(uint point, uint axis) {

@@ -123,7 +123,7 @@ class FrameCells:
             has no cell they are ignored.
 
         It is :func:`pyvotess.autodiff.vjp` for frames; derivatives of ``volumes`` and ``face_areas`` are rounded to float32.
-        Values are right to about 1e-5. Points without a cell have 0.
+        Values are usually right to 1e-5 of the largest; narrow cells of clusters lose digits. Points without a cell have 0.
 
         ValueError for unresolved cells, see ``resolve()``, and after another call of the same :class:`Frames`.
 
@@ -206,8 +206,8 @@ class CudaCells:
             type of the points. ``face_areas`` may end at ``indptr[N]``. Default: 0. Where a point has no cell they are ignored.
         stream : of CUDA, as for the call. It has written them, and it reads the gradient. Default: that of the call.
 
-        Numbers have the type of the points, and are right to about 1e-5. Points without a cell have 0. Those of unresolved
-        cells are NaN, see ``status``: call ``resolve()`` before.
+        Numbers have the type of the points, and are as right as those of :meth:`FrameCells.vjp`. Points without a cell have 0.
+        Those of unresolved cells are NaN, see ``status``: call ``resolve()`` before.
 
         ValueError after another call of the same :class:`Frames`.
         """
@@ -234,7 +234,7 @@ class Frames(OneCallAtATime):
     device : "auto": a GPU, or a software device where there is none; "gpu", "lavapipe" or an index of :func:`devices`. Points
         and cells are then in the host's memory. "cuda" or "cuda:1": tensors on that GPU; calls return :class:`CudaCells`.
     dtype : of points and weights on a device of CUDA: float32 or float64.
-    gradients : True: cells have ``vjp()``, which makes more shaders and needs "neighbors" in ``want``. On a device of CUDA the
+    gradients : True: cells have ``vjp()``. It makes more shaders, and needs "neighbors" in ``want`` and float64. On a device of CUDA the
         memory has room for it.
     max_entries : of all rows together; 0: 20 a point. Cells whose rows do not fit stay unresolved.
     margin, max_images : width of the layer of images around a periodic box, and how many it may hold; 0: as suits uniform

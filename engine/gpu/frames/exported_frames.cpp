@@ -72,7 +72,7 @@ ExportedFrames::ExportedFrames(const Uuid& uuid, const votess::vulkan::PlanOptio
       shared_{*device_},
       memory_(*device_),
       scratch_(memory_) {
-    if (gradients) gradients_.emplace(plan_, want.centroids);
+    if (gradients) gradients_.emplace(plan_);
     make_shared();
     const auto in = [this](std::uint64_t place) {
         return votess::vulkan::BufferRange{shared_.buffer, place == detail::ExportedArrays::none ? 0 : place};

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "gpu/frames/frame.hpp"
-#include "gpu/passes/kernel_choice.hpp"
 #include "shaders.hpp"
 #include "shared/gradient.h"
 
@@ -14,15 +13,14 @@ using votess::vulkan::detail::PlanAccess;
 
 static_assert(sizeof(GradientPush) == 120);  // without padding, and less than the 128 bytes that any device has
 
-GradientPasses::GradientPasses(vulkan::Device& device, bool float64, bool wide)
-    : GradientPasses(vulkan::PassBatch(device), float64, wide) {}
+GradientPasses::GradientPasses(vulkan::Device& device, bool wide) : GradientPasses(vulkan::PassBatch(device), wide) {}
 
-GradientPasses::GradientPasses(vulkan::PassBatch&& batch, bool float64, bool wide)
+GradientPasses::GradientPasses(vulkan::PassBatch&& batch, bool wide)
     : cells(batch.get({.name = "gradient_cells",
                        .spirv = wide ? shaders::gradient_cells_f64 : shaders::gradient_cells_f32,
                        .push_bytes = sizeof(GradientPush)})),
       faces(batch.get({.name = "gradient_faces",
-                       .spirv = float64 ? shaders::gradient_faces_f64 : shaders::gradient_faces_f32,
+                       .spirv = shaders::gradient_faces,
                        .push_bytes = sizeof(GradientPush),
                        .local_size = GRADIENT_LANES})) {
     batch.make();
@@ -30,24 +28,20 @@ GradientPasses::GradientPasses(vulkan::PassBatch&& batch, bool float64, bool wid
 
 namespace {
 
-GradientPasses make_passes(const votess::vulkan::Plan& plan, bool centroids) {
+GradientPasses make_passes(const votess::vulkan::Plan& plan) {
     vulkan::Device& device = PlanAccess::device(plan);
-    const votess::vulkan::PlanOptions& options = plan.options();
-    if (!options.neighbors)
+    if (!plan.options().neighbors)
         throw Error(ErrorCode::invalid_argument, "gradients follow the rows: request neighbors too");
-    const bool wide = options.format == votess::vulkan::SeedFormat::float64 && centroids;
-    if (wide && !device.has_float64())
+    if (!device.has_float64())
         throw Error(ErrorCode::unsupported, device.adapter().name +
-                                                " has no float64, which gradients by centroids of float64 points need: "
-                                                "leave centroids out of want");
-    // Float64 wherever there is some: float32 does not see edges of nearly parallel faces.
-    return {device, device.has_float64() && measure_from_environment() != Measure::float32, wide};
+                                                " has no float64, which gradients need: use tessellate() and its "
+                                                "derivatives");
+    return {device, plan.options().format == votess::vulkan::SeedFormat::float64};
 }
 
 }  // namespace
 
-Gradients::Gradients(const votess::vulkan::Plan& plan, bool centroids)
-    : plan_(plan), passes_(make_passes(plan, centroids)) {}
+Gradients::Gradients(const votess::vulkan::Plan& plan) : plan_(plan), passes_(make_passes(plan)) {}
 
 void Gradients::record(vulkan::Recorder& recorder, const votess::vulkan::Frame& frame, std::uint32_t count,
                        const GradientArrays& arrays) const {

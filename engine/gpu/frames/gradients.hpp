@@ -19,23 +19,22 @@ struct GradientArrays {
     Slice gradient;  // 4 numbers for each of the plan's most_seeds: 3 by each point, then those by weights
 };
 
-// The pipelines. Throws as Gradients().
+// The pipelines, for a device with float64.
 struct GradientPasses {
-    // float64: whether faces are measured in it. wide: points, centroids and their vectors are float64.
-    GradientPasses(vulkan::Device& device, bool float64, bool wide);
+    // wide: whether points, centroids and their vectors are float64.
+    GradientPasses(vulkan::Device& device, bool wide);
     vulkan::Pass cells, faces;
 
 private:
-    GradientPasses(vulkan::PassBatch&& batch, bool float64, bool wide);
+    GradientPasses(vulkan::PassBatch&& batch, bool wide);
 };
 
 class Gradients {
 public:
-    static constexpr VkDeviceSize slope_bytes = 16;
+    static constexpr VkDeviceSize slope_bytes = 32;
 
-    // Makes the pipelines. centroids: whether there are vectors for them. Throws `unsupported` for a plan without rows,
-    // and for centroids in float64 on a device without it.
-    Gradients(const votess::vulkan::Plan& plan, bool centroids);
+    // Makes the pipelines. Throws invalid_argument for a plan without rows, `unsupported` for a device without float64.
+    explicit Gradients(const votess::vulkan::Plan& plan);
 
     // Records the passes, with a barrier behind them. frame: its last recording was that of the points. Points without
     // a row that have a cell get NaN.

@@ -29,7 +29,7 @@ HostFrames::HostFrames(std::shared_ptr<vulkan::Device> device, const votess::vul
     weights_ = input(plan_.sizes().weights, "weights");
     buffers_.emplace(memory_, plan_, votess::vulkan::BufferRange{seeds_.handle()},
                      votess::vulkan::BufferRange{weights_.handle()});
-    if (gradients) gradients_.emplace(plan_, want.centroids);
+    if (gradients) gradients_.emplace(plan_);
 }
 
 void HostFrames::begin(std::size_t count, bool narrow) {

@@ -152,10 +152,7 @@ TEST_SUITE("stages") {
             CAPTURE(bits);
             const votess::gpu::Passes passes(*device, s);
         }
-        for (unsigned bits = 0; bits < 4; ++bits) {
-            const bool float64 = (bits & 1) != 0 && device->has_float64(), wide = (bits & 2) != 0 && float64;
-            const votess::gpu::GradientPasses passes(*device, float64, wide);
-        }
+        for (const bool wide : {false, true}) const votess::gpu::GradientPasses passes(*device, wide);
         // All ids of the table are used.
         CHECK(calls.all_bindings.size() == BINDING_COUNT);
         CHECK(*calls.all_bindings.rbegin() == BINDING_COUNT - 1);
