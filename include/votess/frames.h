@@ -77,7 +77,9 @@ VOTESS_API votess_status votess_frame_cells_array(const votess_frame_cells* cell
 // centroids, face_areas: its derivatives by these arrays of the cells, and as long; or NULL, 0. So it is a
 // vector-Jacobian product. Those for centroids need volumes in `want` too; they are ignored where a point has no cell.
 // The derivatives are in closed form, on the device, and usually right to 1e-5 of the largest one. Narrow cells of
-// clusters lose digits, and cells far from their seeds in a power diagram. Points without a cell have 0. Box, walls and
+// clusters lose digits, and cells far from their seeds in a power diagram. Vectors for areas are refused where a cell
+// meets two of its own images at an edge; where more than three cells meet at others, as in a lattice, areas have no
+// derivative, and what is returned differs from one side to the other. Points without a cell have 0. Box, walls and
 // the vectors of a periodic domain are fixed. Without weights, by_weights is the derivative at weights of 0. Refused
 // while cells are unresolved.
 VOTESS_API votess_status votess_frames_vjp(votess_frames* frames, const float* volumes, const double* centroids,
@@ -112,7 +114,8 @@ VOTESS_API votess_status votess_frames_submit(votess_frames* frames, uint32_t co
 // Submits the gradient for the points of the last frame, as votess_frames_vjp() sets it. given: VOTESS_WANT_VOLUMES,
 // VOTESS_WANT_CENTROIDS and VOTESS_WANT_AREAS, for the vectors that are written by the time of `after`. The gradient of
 // points whose cells are unresolved is NaN, and that of their neighbors where vectors for their centroids are not 0.
-// It is NaN too where a driver limits loops, as llvmpipe does, and a cell has some hundred neighbors.
+// It is NaN too where votess_frames_vjp() refuses, and where a driver limits loops, as llvmpipe does, and a cell has
+// some hundred neighbors.
 VOTESS_API votess_status votess_frames_submit_vjp(votess_frames* frames, uint32_t given, uint64_t after, uint64_t done);
 // Set the semaphore, or wait for it, on the host. Any thread may call them.
 VOTESS_API votess_status votess_frames_signal(votess_frames* frames, uint64_t value);

@@ -49,7 +49,7 @@ struct Plane {
 
 shared Plane stored[shared_planes];
 shared double sums[4u * lanes];
-shared uint was_cut_short;  // 1: the driver ended loops early
+shared uint is_unknown;  // 1: the driver ended loops early, or more than three cells may meet at an edge
 
 uint cell;
 uint first, neighbors;  // entries of the row that are seeds: its faces 0, 1, ...; walls are planes behind them
@@ -170,6 +170,8 @@ double given_area(uint row, int id, uint shift) {
 void add_edge(uint face, uint other, Plane a, Plane b, dvec3 t, dvec3 begin, dvec3 end) {
     const bool is_wall = other >= neighbors;
     const uint seed = seed_of(face), shift = shift_of(face);
+    // In a box with right angles a cell and three of its images meet at an edge, and all move together.
+    if (!is_wall && seed == cell && seed_of(other) == cell) is_unknown = 1u;
     double of_a = double(given_areas[first + face]) + given_area(seed, int(cell), minus_shift(0u, shift)), of_b, of_both;
     if (is_wall) {
         const int id = -1 - int(wall_number(other - neighbors));
@@ -260,7 +262,7 @@ void main() {
     length_of_unit = power_of_two(exponent - push.shift);
     planes = neighbors + push.walls;
 
-    was_cut_short = 0u;
+    is_unknown = 0u;
     for (uint i = lane; i < min(planes, shared_planes); i += lanes) stored[i] = make_plane(i);
     barrier();
     // Each pair of faces once, then each face with each wall.
@@ -271,13 +273,13 @@ void main() {
     }
     for (uint k = 0u; k < 3u; ++k) sums[k * lanes + lane] = by_point[k];
     sums[3u * lanes + lane] = by_weight;
-    if (loops_were_cut_short(planes + 1u)) was_cut_short = 1u;
+    if (loops_were_cut_short(planes + 1u)) is_unknown = 1u;
     barrier();
     if (lane >= 4u) return;
     double sum = 0.0LF;
     for (uint i = 0u; i < lanes; ++i) sum += sums[lane * lanes + i];
     const uint number = lane < 3u ? 3u * cell + lane : push.weights_at + cell;
-    if (was_cut_short != 0u || loops_were_cut_short(planes + 1u))
+    if (is_unknown != 0u || loops_were_cut_short(planes + 1u))
         put_unknown(number);
     else
         put(number, lane < 3u ? sum : 0.5LF * sum / length_of_unit);

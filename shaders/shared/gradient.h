@@ -14,7 +14,7 @@
 #define GRADIENT_OBLIQUE 64u   // walls have any direction; else they are faces of the box, two an axis
 #define GRADIENT_AXES_SHIFT 8  // two bits for each of these axes
 
-#define GRADIENT_UNKNOWN 0x7ffc0000u  // high word of a NaN in float64, where the driver ended the loops of a cell early
+#define GRADIENT_UNKNOWN 0x7ffc0000u  // high word of a NaN in float64, of a cell without a gradient
 #define GRADIENT_LANES 32             // invocations of a work-group, which makes the numbers of a seed
 
 #ifdef __cplusplus

@@ -255,6 +255,10 @@ class OnDevice(unittest.TestCase):
             cells.vjp(volumes=cells.volumes[1:])
         with self.assertRaisesRegex(AttributeError, "put 'centroids' into want"):
             cells.vjp(centroids=points)
+        few = self.frames(50, box=UNIT_BOX, periodic=True, gradients=True)(points[:1]).resolve()
+        self.assertLess(np.abs(few.vjp(volumes=[2.0])[0]).max(), 1e-12)
+        with self.assertRaisesRegex(vt.VotessError, "the cell of point 0 meets its own images at an edge"):
+            few.vjp(face_areas=few.face_areas)
         frames(points)
         with self.assertRaisesRegex(ValueError, "the last call"):
             cells.vjp(volumes=cells.volumes)
