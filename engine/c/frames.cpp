@@ -48,6 +48,7 @@ votess_status votess_frames_new(const votess_frames_options* frames, const votes
                                         .max_entries = frames->max_entries,
                                         .max_images = frames->max_images,
                                         .margin = frames->margin,
+                                        .gradients = frames->gradients != 0,
                                         .uuid = {},
                                         .wide = false};
         if (frames->exported != 0) {
@@ -93,6 +94,16 @@ votess_status votess_frames_resolve(votess_frames* frames, votess_frame_cells** 
     });
 }
 
+votess_status votess_frames_vjp(votess_frames* frames, const float* volumes, const double* centroids,
+                                const float* face_areas, double* by_points, double* by_weights) {
+    return guarded([&] {
+        require(frames, "frames");
+        require(by_points, "by_points");
+        require(by_weights, "by_weights");
+        frames->frames.vjp({volumes, centroids, face_areas}, by_points, by_weights);
+    });
+}
+
 votess_status votess_frames_get_export(votess_frames* frames, votess_frames_export* out) {
     return guarded([&] {
         require(out, "out");
@@ -112,6 +123,11 @@ votess_status votess_frames_get_export(votess_frames* frames, votess_frames_expo
         out->face_areas = found.face_areas;
         out->volumes = found.volumes;
         out->centroids = found.centroids;
+        out->given_volumes = found.given_volumes;
+        out->given_centroids = found.given_centroids;
+        out->given_face_areas = found.given_face_areas;
+        out->by_points = found.by_points;
+        out->by_weights = found.by_weights;
     });
 }
 
@@ -119,6 +135,21 @@ votess_status votess_frames_submit(votess_frames* frames, uint32_t count, uint64
     return guarded([&] {
         require(frames, "frames");
         frames->frames.submit(count, after, done);
+    });
+}
+
+votess_status votess_frames_submit_vjp(votess_frames* frames, uint32_t given, uint64_t after, uint64_t done) {
+    return guarded([&] {
+        require(frames, "frames");
+        constexpr std::uint32_t known = VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_AREAS;
+        if ((given & ~known) != 0)
+            refuse("given = " + std::to_string(given) +
+                   ": give VOTESS_WANT_VOLUMES, VOTESS_WANT_CENTROIDS and VOTESS_WANT_AREAS");
+        frames->frames.submit_vjp({.neighbors = false,
+                                   .volumes = (given & VOTESS_WANT_VOLUMES) != 0,
+                                   .centroids = (given & VOTESS_WANT_CENTROIDS) != 0,
+                                   .areas = (given & VOTESS_WANT_AREAS) != 0},
+                                  after, done);
     });
 }
 

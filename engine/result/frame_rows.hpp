@@ -21,6 +21,13 @@ struct FrameRows {
     std::size_t unresolved = 0;  // cells that the device did not certify
 };
 
+// Derivatives of a number by the arrays of FrameRows, and as long; null: 0.
+struct FrameVectors {
+    const float* volumes = nullptr;
+    const double* centroids = nullptr;
+    const float* face_areas = nullptr;
+};
+
 // Arrays of frames in memory that another API maps, see votess_frames_export.
 struct ExportedArrays {
     static constexpr std::uint64_t none = ~std::uint64_t{0};  // an array that was not requested
@@ -28,7 +35,8 @@ struct ExportedArrays {
     std::uint64_t memory_bytes = 0, max_entries = 0;
     // Bytes from the start of the memory.
     std::uint64_t points = none, weights = none, status = none, indptr = none, indices = none, shifts = none,
-                  face_areas = none, volumes = none, centroids = none;
+                  face_areas = none, volumes = none, centroids = none, given_volumes = none, given_centroids = none,
+                  given_face_areas = none, by_points = none, by_weights = none;
 };
 
 }  // namespace votess::detail

@@ -138,14 +138,14 @@ Frames::Frames(const FramesSettings& settings, const Options& options, const Fra
     const votess::vulkan::PlanOptions plan = plan_of(settings, run);
     if (settings.uuid) {
         if (share != nullptr) refuse("share: frames with exported memory have a device of their own, leave it out");
-        state_->exported.emplace(*settings.uuid, plan, run.want, run.threads);
+        state_->exported.emplace(*settings.uuid, plan, run.want, run.threads, settings.gradients);
         return;
     }
     if (share != nullptr && !share->state_->frames)
         refuse("share: frames with exported memory do not share their device, leave it out");
     if (share != nullptr) share->state_->check_process();
     state_->frames.emplace(share != nullptr ? share->state_->frames->device() : open_device(run.device), plan, run.want,
-                           run.threads);
+                           run.threads, settings.gradients);
 }
 
 Frames::~Frames() {
@@ -199,7 +199,36 @@ gpu::ExportedFrames& exported_of(std::optional<gpu::ExportedFrames>& frames) {
     return *frames;
 }
 
+void check_order(std::uint64_t after, std::uint64_t done) {
+    if (done <= after)
+        refuse("done = " + std::to_string(done) + " must be above after = " + std::to_string(after) +
+               ": the values of the semaphore only grow");
+}
+
+void check_gradients(const auto& frames) {
+    if (!frames.has_gradients()) refuse("these frames compute no gradient: set that option when you make them");
+}
+
 }  // namespace
+
+void Frames::vjp(const detail::FrameVectors& given, double* by_points, double* by_weights) {
+    const State::Call call(*state_);
+    if (!state_->frames) refuse("these frames have exported memory: submit the gradient");
+    gpu::HostFrames& frames = *state_->frames;
+    check_gradients(frames);
+    if (!frames.has_run())
+        throw Error(ErrorCode::invalid_use,
+                    "gradients are those of the last run, and there is none: run these frames first");
+    const auto check = [](bool is_given, bool has, const char* name) {
+        if (is_given && !has)
+            refuse(std::string("vectors for ") + name + " are given, but the cells have none: put them into want");
+    };
+    check(given.volumes != nullptr, frames.want().volumes, "volumes");
+    check(given.centroids != nullptr, frames.want().centroids, "centroids");
+    check(given.centroids != nullptr, frames.want().volumes, "centroids, which need volumes too,");
+    check(given.face_areas != nullptr, frames.want().areas, "areas");
+    frames.vjp(given, by_points, by_weights);
+}
 
 detail::ExportedArrays Frames::exported() {
     const State::Call call(*state_);
@@ -213,10 +242,16 @@ void Frames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done
     if (count > most)
         refuse(std::to_string(count) + " points are more than max_points = " + std::to_string(most) +
                ": make frames for more");
-    if (done <= after)
-        refuse("done = " + std::to_string(done) + " must be above after = " + std::to_string(after) +
-               ": the values of the semaphore only grow");
+    check_order(after, done);
     frames.submit(count, after, done);
+}
+
+void Frames::submit_vjp(const Want& given, std::uint64_t after, std::uint64_t done) {
+    const State::Call call(*state_);
+    gpu::ExportedFrames& frames = exported_of(state_->exported);
+    check_gradients(frames);
+    check_order(after, done);
+    frames.submit_vjp(given, after, done);
 }
 
 void Frames::signal(std::uint64_t value) {
@@ -255,7 +290,9 @@ detail::FrameRows Frames::resolve() {
 detail::ExportedArrays Frames::exported() {
     return {};
 }
+void Frames::vjp(const detail::FrameVectors&, double*, double*) {}
 void Frames::submit(std::uint32_t, std::uint64_t, std::uint64_t) {}
+void Frames::submit_vjp(const Want&, std::uint64_t, std::uint64_t) {}
 void Frames::signal(std::uint64_t) {}
 void Frames::wait(std::uint64_t) {}
 std::size_t Frames::resolve_exported() {

@@ -25,6 +25,7 @@ struct FramesSettings {
     std::optional<std::pair<double, double>> weights;  // least and largest
     std::uint32_t max_entries = 0, max_images = 0;
     double margin = 0;
+    bool gradients = false;
     // For memory that another API maps: the UUID of the device, and whether points and weights are float64.
     std::optional<std::array<std::uint8_t, 16>> uuid;
     bool wide = false;
@@ -48,9 +49,14 @@ public:
     // Returns the cells of the last run, all of them: the CPU makes those that the device left.
     [[nodiscard]] detail::FrameRows resolve();
 
+    // Sets the derivatives of a number by the points and weights of the last run, 3N and N. given: for arrays that its
+    // cells have.
+    void vjp(const detail::FrameVectors& given, double* by_points, double* by_weights);
+
     // For frames with a UUID, see votess/frames.h.
     [[nodiscard]] detail::ExportedArrays exported();
     void submit(std::uint32_t count, std::uint64_t after, std::uint64_t done);
+    void submit_vjp(const Want& given, std::uint64_t after, std::uint64_t done);
     void signal(std::uint64_t value);
     void wait(std::uint64_t value);
     std::size_t resolve_exported();

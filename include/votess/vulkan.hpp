@@ -237,6 +237,7 @@ public:
 
 private:
     friend class Plan;
+    friend struct detail::PlanAccess;
     std::shared_ptr<detail::FrameState> state_;
 };
 

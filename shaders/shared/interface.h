@@ -57,7 +57,13 @@
 #define BINDING_SLICE_ROWS 29    // int
 #define BINDING_SLICE_AREAS 30   // beside the rows
 #define BINDING_SLICE_SHIFTS 31  // int8 x y z, without gaps, beside the rows
-#define BINDING_COUNT 32
+// Gradients of a frame.
+#define BINDING_GRADIENT 32         // 3 numbers a seed, then one a seed: by points and by weights; float32 or float64
+#define BINDING_SLOPES 33           // N dvec4, see gradient_cells.comp
+#define BINDING_GIVEN_VOLUMES 34    // N float
+#define BINDING_GIVEN_CENTROIDS 35  // 3N numbers, as RAW
+#define BINDING_GIVEN_AREAS 36      // float, beside the rows of SLICE_ROWS
+#define BINDING_COUNT 37
 #define MAX_BINDINGS 8  // of a pass
 
 #endif

@@ -228,6 +228,7 @@ class CudaInput:
             raise ValueError(f"{name} has dtype {np.dtype(given['typestr'])}: these Frames take {dtype}, see their dtype")
         strides = given.get("strides")
         packed = tuple(int(np.prod(self.shape[k + 1 :], dtype=np.int64)) * dtype.itemsize for k in range(len(shape)))
+        self.size = int(np.prod(self.shape)) * dtype.itemsize  # bytes
         if strides is not None and tuple(strides) != packed and all(self.shape):
             raise ValueError(f"{name} is not contiguous: give {name}.contiguous()")
 

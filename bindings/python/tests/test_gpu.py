@@ -12,10 +12,11 @@ import threading
 import unittest
 
 import numpy as np
-from helpers import CELL, CUBE, PACKAGE_PARENT, UNIT_BOX, uniform
+from helpers import CELL, CUBE, PACKAGE_PARENT, UNIT_BOX, have, uniform
 from test_wrong_values import RIGHT, VALUES
 
 import pyvotess as vt
+from pyvotess import autodiff
 
 ALL = "neighbors,volumes,centroids,areas"
 DEVICE = os.environ.get("VOTESS_TEST_DEVICE")
@@ -29,7 +30,7 @@ class Arguments(unittest.TestCase):
             **RIGHT,
             "max_points": {"1", "3"}, "max_entries": {"0", "1", "3"}, "max_images": {"0", "1", "3"},
             "margin": {"0", "1", "3", "2**32 + 1", "2**70", "0.5", "0-d"}, "share": {"None"}, "weights": {"None", "[1, 2]"},
-            "device": set(), "box": set(),
+            "device": set(), "box": set(), "gradients": RIGHT["list_walls"],
         }  # fmt: skip
         wrong = []
         for name in inspect.signature(vt.gpu.Frames).parameters:
@@ -66,6 +67,28 @@ class Arguments(unittest.TestCase):
             subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "PYTHONPATH": PACKAGE_PARENT})
 
 
+def vectors_for(cells, seed=5):
+    """Returns random vectors for the arrays of cells."""
+    rng = np.random.default_rng(seed)
+    return {name: rng.normal(size=getattr(cells, name).shape).astype(np.float32) for name in ("volumes", "centroids", "face_areas")}
+
+
+def vjp_on_cpu(points, weights, vectors, kept=slice(None), **domain):
+    """Returns the gradients by pyvotess.autodiff of the points that are kept, 0 for others. Rows have walls, or not."""
+    domain.pop("list_walls", None)
+    weights = None if weights is None else weights[kept]
+    t = vt.tessellate(points[kept], weights=weights, want=ALL + ",faces", device="cpu", precision="double", **domain)
+    given = {name: values if name == "face_areas" else values[kept] for name, values in vectors.items()}
+    if "face_areas" in given:
+        of_rows = given.pop("face_areas")
+        given["areas"] = np.zeros(len(t.indices))
+        given["areas"][t.indices >= 0 if len(of_rows) < len(t.indices) else slice(None)] = of_rows
+    found = np.zeros((len(points), 3)), np.zeros(len(points))
+    for array, of_kept in zip(found, autodiff.vjp(t, **given)):
+        array[kept] = of_kept
+    return found
+
+
 def centroids_near(t, points):
     """Returns the centroids of the cells around the points as given, which lie outside of a periodic box."""
     return t.centroids + (points - t.wrapped_points)
@@ -75,7 +98,7 @@ def centroids_near(t, points):
 class OnDevice(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.shared = vt.gpu.Frames(1, box=UNIT_BOX, want=ALL, device=DEVICE)
+        cls.shared = vt.gpu.Frames(1, box=UNIT_BOX, want=ALL, device=DEVICE, gradients=True)
 
     def frames(self, max_points, **options):
         return vt.gpu.Frames(max_points, share=self.shared, **{"want": ALL, **options})
@@ -120,10 +143,129 @@ class OnDevice(unittest.TestCase):
             with self.subTest(domain=domain, dtype=given.dtype):
                 weights = rng.uniform(-0.001, 0.002, len(given)) if weighted else None
                 limits = {"weights": (-0.001, 0.002)} if weighted else {}
-                frames = self.frames(200, **domain, **limits)
+                frames = self.frames(200, **domain, **limits, gradients=True)
                 cells = frames(given, weights).resolve()
                 self.assertEqual(cells.unresolved, 0)
                 self.compare(cells, given, weights, **domain)
+                self.compare_gradients(cells, given, weights, **domain)
+
+    def compare_gradients(self, cells, points, weights, **domain):
+        """Compares them with those of the CPU, of which the formulas and the way through the faces are others."""
+        vectors = vectors_for(cells)
+        kept = np.flatnonzero(cells.status != vt.CellStatus.OUTSIDE)
+        for names, tolerance in ((["volumes"], 1e-12), (["face_areas"], 1e-10), (["centroids"], 1e-5), (list(vectors), 1e-5)):
+            given = {name: vectors[name] for name in names}
+            for by, found, expected in zip(("points", "weights"), cells.vjp(**given), vjp_on_cpu(points, weights, given, kept, **domain)):
+                scale = np.abs(expected).max(initial=1e-6)
+                np.testing.assert_allclose(found, expected, atol=tolerance * scale, err_msg=f"{names} by {by}")
+                self.assertFalse(found[cells.status != 0].any())
+
+    def test_gradients_follow_differences(self):
+        points, rng = uniform(60, seed=3), np.random.default_rng(4)
+        weights = rng.uniform(0, 0.002, 60)
+        frames = self.frames(60, box=UNIT_BOX, periodic=True, weights=(-1, 1), gradients=True)
+        cells = frames(points, weights).resolve()
+        vectors = vectors_for(cells)
+        by_points, by_weights = cells.vjp(**vectors)
+
+        def number(points, weights):
+            t = vt.tessellate(points, weights=weights, box=UNIT_BOX, periodic=True, want=ALL, device="cpu", precision="double")
+            np.testing.assert_array_equal(t.indices, cells.indices)
+            return sum((vectors[name].astype(float) * getattr(t, name)).sum() for name in vectors)
+
+        way, way_of_weights = 1e-6 * rng.normal(size=points.shape), 1e-6 * rng.normal(size=60)
+        for change, expected in (
+            ((by_points * way).sum(), number(points + way, weights) - number(points - way, weights)),
+            ((by_weights * way_of_weights).sum(), number(points, weights + way_of_weights) - number(points, weights - way_of_weights)),
+        ):
+            self.assertAlmostEqual(change, expected / 2, delta=2e-5 * max(1e-6, abs(change)))
+
+    def test_gradients_of_points_without_a_cell(self):
+        points = uniform(100)
+        points[3], points[4], points[50, 1] = points[9], (2, 0, 0), np.nan
+        frames = self.frames(100, box=UNIT_BOX, max_entries=500, gradients=True)
+        cells = frames(points)
+        with self.assertRaisesRegex(vt.VotessError, f"{cells.unresolved} cells are unresolved.*resolve"):
+            cells.vjp(volumes=cells.volumes)
+        cells.resolve()
+        vectors = vectors_for(cells)
+        vectors["centroids"][4] = np.nan  # as is the centroid
+        self.compare_gradients(cells, points, None, box=UNIT_BOX)
+        before = cells.vjp(**vectors)
+        cells.indices[:] = 10**9  # the arrays belong to the user
+        for found, expected in zip(cells.vjp(**vectors), before):
+            np.testing.assert_array_equal(found, expected)
+            self.assertTrue(np.isfinite(found).all())
+        self.assertEqual([len(array) for array in frames(points[:0]).vjp()], [0, 0])
+
+    def test_gradients_of_a_cell_with_many_faces(self):
+        """The planes of the first one do not fit into shared memory. The driver ends the loops of the second one early."""
+        for count in (150, 600):
+            way = np.random.default_rng(5).normal(size=(count, 3))
+            points = np.concatenate(([[0.5, 0.5, 0.5]], 0.5 + 0.4 * way / np.linalg.norm(way, axis=1, keepdims=True)))
+            cells = self.frames(count + 1, box=UNIT_BOX, gradients=True)(points).resolve()
+            self.assertGreater(cells.indptr[1], 0.9 * count)
+            vectors = vectors_for(cells)
+            if count == 150:
+                for found, expected in zip(cells.vjp(**vectors), vjp_on_cpu(points, None, vectors, box=UNIT_BOX)):
+                    np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
+            elif DEVICE == "lavapipe":
+                with self.assertRaisesRegex(vt.VotessError, r"ended the loops for point 0 early, whose cell has \d+ entries"):
+                    cells.vjp(**vectors)
+
+    @have("torch")
+    def test_torch(self):
+        import torch
+
+        from pyvotess.autodiff.torch import measure
+
+        start, spread = uniform(60, seed=3), np.random.default_rng(4).uniform(0, 0.002, 60)
+        frames = self.frames(60, box=UNIT_BOX, periodic=True, weights=(0, 0.002), gradients=True)
+        points, weights = (torch.from_numpy(array).requires_grad_() for array in (start, spread))
+        m = measure(frames, points, weights)
+        t = vt.tessellate(start, weights=spread, box=UNIT_BOX, periodic=True, want=ALL, device="cpu")
+        np.testing.assert_array_equal(m.adjacency.numpy(), t.indices)
+        np.testing.assert_array_equal(m.offsets.numpy(), t.indptr)
+        self.assertEqual([m.volumes.dtype, m.centroids.dtype, m.areas.dtype], [torch.float32, torch.float64, torch.float32])
+        ((m.volumes**2).sum() + ((m.centroids - points) ** 2).sum() + (m.areas**2).sum()).backward()
+        away = t.centroids - start
+        given = {"volumes": 2 * t.volumes, "centroids": 2 * away, "face_areas": 2 * t.face_areas}
+        by_points, by_weights = vjp_on_cpu(start, spread, given, box=UNIT_BOX, periodic=True)
+        np.testing.assert_allclose(points.grad, by_points - 2 * away, atol=1e-5 * np.abs(by_points).max())
+        np.testing.assert_allclose(weights.grad, by_weights, atol=1e-5 * np.abs(by_weights).max())
+        narrow = points.detach().to(torch.float32).requires_grad_()
+        lists = self.frames(60, box=UNIT_BOX, want="neighbors,volumes", gradients=True)
+        m = measure(lists, narrow)
+        self.assertEqual([m.centroids, m.areas], [None, None])
+        measure(lists, narrow)
+        with self.assertRaisesRegex(ValueError, "the last call"):
+            m.volumes.sum().backward()
+        measure(lists, narrow).volumes[3].backward()
+        self.assertEqual(narrow.grad.dtype, torch.float32)
+
+    def test_wrong_gradients(self):
+        points = uniform(50)
+        cells = self.frames(50, box=UNIT_BOX)(points)
+        with self.assertRaisesRegex(ValueError, "compute no gradient: set that option"):
+            cells.vjp(volumes=cells.volumes)
+        frames = self.frames(50, box=UNIT_BOX, want="neighbors,volumes", gradients=True)
+        cells = frames(points).resolve()
+        self.assertEqual([values.any() for values in cells.vjp()], [False, False])
+        with self.assertRaisesRegex(ValueError, r"volumes has shape \(49,\): it must be \(50,\)"):
+            cells.vjp(volumes=cells.volumes[1:])
+        with self.assertRaisesRegex(AttributeError, "put 'centroids' into want"):
+            cells.vjp(centroids=points)
+        few = self.frames(50, box=UNIT_BOX, periodic=True, gradients=True)(points[:1]).resolve()
+        self.assertLess(np.abs(few.vjp(volumes=[2.0])[0]).max(), 1e-12)
+        with self.assertRaisesRegex(vt.VotessError, "the cell of point 0 meets its own images at an edge"):
+            few.vjp(face_areas=few.face_areas)
+        frames(points)
+        with self.assertRaisesRegex(ValueError, "the last call"):
+            cells.vjp(volumes=cells.volumes)
+        with self.assertRaisesRegex(ValueError, "gradients follow the rows"):
+            self.frames(50, box=UNIT_BOX, want="volumes", gradients=True)
+        with self.assertRaisesRegex(ValueError, "centroids, which need volumes too"):
+            self.frames(50, box=UNIT_BOX, want="neighbors,centroids", gradients=True)(points).resolve().vjp(centroids=points)
 
     def test_points_without_a_cell_and_rows_that_do_not_fit(self):
         points = uniform(100)
@@ -190,9 +332,10 @@ class OnDevice(unittest.TestCase):
         page = pathlib.Path(PACKAGE_PARENT) / "docs/pages/tensors.md"
         if not page.exists():
             self.skipTest("the pages are not installed")
+        names = {"DEVICE": DEVICE}
         for code in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
             if "import torch" not in code:
-                exec(code, {"DEVICE": DEVICE})  # noqa: S102
+                exec(code, names)  # noqa: S102
 
     def test_threads(self):
         """Each thread with frames of its own on one device."""

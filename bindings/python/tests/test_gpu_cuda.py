@@ -16,6 +16,7 @@ from unittest import mock
 
 import numpy as np
 from helpers import UNIT_BOX, uniform
+from test_gpu import vectors_for, vjp_on_cpu
 
 import pyvotess as vt
 from pyvotess import _cuda
@@ -169,6 +170,57 @@ class FakeDriver(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "weights are missing"):
             frames(OnGpu(points))
         self.fake.cuStreamSynchronize(None)
+
+    def test_gradients(self):
+        points = uniform(120, 5)
+        weights = np.random.default_rng(1).uniform(-0.002, 0.002, 120)
+        for dtype in (np.float32, np.float64):
+            given, masses = points.astype(dtype), weights.astype(dtype)
+            frames = self.frames(150, periodic=True, dtype=dtype, weights=(-0.002, 0.002), gradients=True)
+            cells = frames(OnGpu(given), OnGpu(masses))
+            self.fake.cuStreamSynchronize(None)
+            cells.resolve()
+            t = vt.tessellate(given, weights=masses, want=ALL, device="cpu", box=UNIT_BOX, periodic=True)
+            vectors = vectors_for(t)
+            for names in (["volumes"], ["face_areas"], list(vectors)):
+                some = {name: vectors[name] for name in names}
+                on_gpu = {name: OnGpu(a.astype(dtype) if name == "centroids" else a) for name, a in some.items()}
+                queued = self.fake.fake_queued()
+                found = cells.vjp(**on_gpu)
+                self.assertEqual(self.fake.fake_queued() - queued, len(names) + 2)  # copies, signal, wait
+                self.fake.cuStreamSynchronize(None)
+                for array, expected in zip(map(read, found), vjp_on_cpu(given, masses, some, box=UNIT_BOX, periodic=True)):
+                    self.assertEqual(array.dtype, dtype)
+                    np.testing.assert_allclose(array, expected, atol=1e-5 * np.abs(expected).max())
+            self.assertEqual(self.order[-2:], [("signal", 7), ("wait", 8)])
+        with self.assertRaisesRegex(ValueError, r"volumes has shape \(119,\): it must be \(120"):
+            cells.vjp(volumes=OnGpu(vectors["volumes"][1:]))
+        with self.assertRaisesRegex(ValueError, "centroids has dtype float32: these Frames take float64"):
+            cells.vjp(centroids=OnGpu(vectors["centroids"]))
+        frames(OnGpu(given), OnGpu(masses))
+        with self.assertRaisesRegex(ValueError, "vjp.. is of the last call"):
+            cells.vjp(volumes=OnGpu(vectors["volumes"]))
+        self.fake.cuStreamSynchronize(None)
+
+    def test_gradients_of_unresolved_cells(self):
+        points = np.float32(uniform(100))
+        frames = self.frames(100, max_entries=500, gradients=True)
+        cells = frames(OnGpu(points))
+        self.fake.cuStreamSynchronize(None)
+        pending = read(cells.status) != vt.CellStatus.CERTIFIED
+        self.assertTrue(30 < pending.sum() < 90)
+        t = vt.tessellate(points, want=ALL, device="cpu", box=UNIT_BOX)
+        vectors = vectors_for(t)
+        centroids = vectors["centroids"]
+        for given in (centroids, np.where(pending[:, None], np.float32(0), centroids)):
+            found = cells.vjp(volumes=OnGpu(vectors["volumes"]), centroids=OnGpu(given))
+            self.fake.cuStreamSynchronize(None)
+            expected = vjp_on_cpu(points, None, {"volumes": vectors["volumes"], "centroids": given}, box=UNIT_BOX)
+            near = np.array([pending[row].any() for row in t.neighbors]) & given[pending].any()
+            for array, right in zip(map(read, found), expected):
+                missing = np.isnan(array).reshape(100, -1).all(axis=1)
+                np.testing.assert_array_equal(missing, pending | near)
+                np.testing.assert_allclose(array[~missing], right[~missing], atol=1e-5 * np.abs(right).max())
 
     def test_lifetimes(self):
         self.assertEqual(self.fake.fake_live(), 0)

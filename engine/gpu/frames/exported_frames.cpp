@@ -64,7 +64,7 @@ ExportedFrames::Shared::~Shared() {
 }
 
 ExportedFrames::ExportedFrames(const Uuid& uuid, const votess::vulkan::PlanOptions& options, const Want& want,
-                               unsigned threads)
+                               unsigned threads, bool gradients)
     : device_(exporting_device(uuid)),
       plan_(votess::vulkan::detail::PlanAccess::plan(device_, options)),
       want_(want),
@@ -72,12 +72,14 @@ ExportedFrames::ExportedFrames(const Uuid& uuid, const votess::vulkan::PlanOptio
       shared_{*device_},
       memory_(*device_),
       scratch_(memory_) {
+    if (gradients) gradients_.emplace(plan_);
     make_shared();
     const auto in = [this](std::uint64_t place) {
         return votess::vulkan::BufferRange{shared_.buffer, place == detail::ExportedArrays::none ? 0 : place};
     };
     buffers_.emplace(memory_, plan_, in(arrays_.points), in(arrays_.weights));
     make_passes();
+    if (gradients) slopes_ = scratch_.take(options.most_seeds * Gradients::slope_bytes, "slopes");
     for (auto& flight : flights_) flight = std::make_unique<vulkan::Commands>(*device_);
 }
 
@@ -114,6 +116,13 @@ void ExportedFrames::make_shared() {
     place(arrays_.face_areas, sizes.areas);
     place(arrays_.volumes, want_.volumes ? 4 * n : 0);
     place(arrays_.centroids, want_.centroids ? 3 * number * n : 0);
+    if (gradients_) {
+        place(arrays_.given_volumes, want_.volumes ? 4 * n : 0);
+        place(arrays_.given_centroids, want_.centroids ? 3 * number * n : 0);
+        place(arrays_.given_face_areas, sizes.areas);
+        place(arrays_.by_points, 4 * number * n);
+        arrays_.by_weights = arrays_.by_points + 3 * number * n;
+    }
 
     auto external =
         vulkan::structure<VkExternalMemoryBufferCreateInfo>(VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO);
@@ -261,20 +270,63 @@ void ExportedFrames::batch(std::uint64_t wait_value, std::uint64_t signal_value)
 
 void ExportedFrames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done) {
     has_run_ = false;
+    submit_recorded(after, done, [&](vulkan::Commands& commands) {
+        buffers_->frame().record(commands.handle(), {.count = count});
+        record_order(commands, count);
+    });
+    count_ = count;
+    has_run_ = true;
+}
+
+template <class Record>
+void ExportedFrames::submit_recorded(std::uint64_t after, std::uint64_t done, const Record& record) {
     vulkan::Commands& commands = *flights_[next_flight_];
     next_flight_ = 1 - next_flight_;
     commands.begin();
     take(commands, true);
-    buffers_->frame().record(commands.handle(), {.count = count});
-    record_order(commands, count);
+    record(commands);
     take(commands, false);
     commands.end();
     batch(after, 0);
     commands.submit();
     batch(0, done);
     device_->instance().check_messages();
-    count_ = count;
-    has_run_ = true;
+}
+
+void ExportedFrames::submit_vjp(const Want& given, std::uint64_t after, std::uint64_t done) {
+    if (!has_run_)
+        throw Error(ErrorCode::invalid_use, "gradients are those of the last frame, and there is none: run one first");
+    const votess::vulkan::BufferSizes& sizes = plan_.sizes();
+    const VkDeviceSize n = plan_.options().most_seeds;
+    const VkDeviceSize number = plan_.options().format == votess::vulkan::SeedFormat::float32 ? 4 : 8;
+    const auto in = [&](std::uint64_t place, VkDeviceSize bytes) {
+        return place == detail::ExportedArrays::none ? Slice{} : exported(place, bytes);
+    };
+    const auto vector = [&](bool is_given, std::uint64_t place, VkDeviceSize bytes, const char* name) {
+        if (is_given && place == detail::ExportedArrays::none)
+            throw Error(ErrorCode::invalid_argument, std::string("vectors for ") + name +
+                                                         " are given, but these frames do not make them: put " + name +
+                                                         " into want");
+        return is_given ? exported(place, bytes) : Slice{};
+    };
+    const GradientArrays arrays{
+        .points = in(arrays_.points, sizes.seeds),
+        .status = in(arrays_.status, 4 * n),
+        .indptr = in(arrays_.indptr, 4 * (n + 1)),
+        .indices = in(arrays_.indices, sizes.indices),
+        .shifts = in(arrays_.shifts, sizes.shifts),
+        .volumes = in(arrays_.volumes, 4 * n),
+        .centroids = in(arrays_.centroids, 3 * number * n),
+        .given_volumes = vector(given.volumes, arrays_.given_volumes, 4 * n, "volumes"),
+        .given_centroids = vector(given.centroids, arrays_.given_centroids, 3 * number * n, "centroids"),
+        .given_areas = vector(given.areas, arrays_.given_face_areas, sizes.areas, "areas"),
+        .slopes = slopes_,
+        .gradient = exported(arrays_.by_points, 4 * number * n)};
+    if (given.centroids && !want_.volumes)
+        throw Error(ErrorCode::invalid_argument, "gradients by centroids need volumes too: put volumes into want");
+    submit_recorded(after, done, [&](vulkan::Commands& commands) {
+        gradients_->record(commands, buffers_->frame(), count_, arrays);
+    });
 }
 
 void ExportedFrames::signal(std::uint64_t value) {
@@ -353,12 +405,10 @@ std::size_t ExportedFrames::resolve_as() {
         stage.flush();
         commands.copy(stage, 0, exported(place, bytes.size()), 0, bytes.size());
     };
-    std::vector<std::int8_t> padded(rows.shifts.empty() ? 0 : 4 * entries);
-    for (std::size_t e = 0; e < padded.size() / 4; ++e) std::copy_n(&rows.shifts[3 * e], 3, &padded[4 * e]);
     upload(arrays_.status, rows.status);
     upload(arrays_.indptr, rows.indptr);
     upload(arrays_.indices, rows.indices);
-    upload(arrays_.shifts, padded);
+    upload(arrays_.shifts, padded_shifts(rows));
     upload(arrays_.face_areas, rows.face_areas);
     upload(arrays_.volumes, rows.volumes);
     upload(arrays_.centroids, rows.centroids32);

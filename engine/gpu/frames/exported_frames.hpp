@@ -12,6 +12,7 @@
 
 #include "core/thread_pool.hpp"
 #include "gpu/frames/frame_buffers.hpp"
+#include "gpu/frames/gradients.hpp"
 #include "gpu/seeds/device_seeds.hpp"
 #include "gpu/vulkan/commands.hpp"
 #include "gpu/vulkan/workspace.hpp"
@@ -25,7 +26,9 @@ using Uuid = std::array<std::uint8_t, VK_UUID_SIZE>;
 class ExportedFrames {
 public:
     // uuid: of the device, which exports memory. options: points are packed. Throws as Plan(), and `unsupported`.
-    ExportedFrames(const Uuid& uuid, const votess::vulkan::PlanOptions& options, const Want& want, unsigned threads);
+    // gradients: whether there is submit_vjp().
+    ExportedFrames(const Uuid& uuid, const votess::vulkan::PlanOptions& options, const Want& want, unsigned threads,
+                   bool gradients);
     ~ExportedFrames();
     ExportedFrames(const ExportedFrames&) = delete;
     ExportedFrames& operator=(const ExportedFrames&) = delete;
@@ -38,6 +41,9 @@ public:
     // Submits a frame of `count` points. It begins when the semaphore has the value `after`, and sets it to `done`.
     // Waits only when two frames are pending already.
     void submit(std::uint32_t count, std::uint64_t after, std::uint64_t done);
+    [[nodiscard]] bool has_gradients() const { return gradients_.has_value(); }
+    // Submits the gradient for the points of the last frame. given: the vectors that are written to the memory.
+    void submit_vjp(const Want& given, std::uint64_t after, std::uint64_t done);
     // The host's part in the order: sets the semaphore's value, or waits for it.
     void signal(std::uint64_t value);
     void wait(std::uint64_t value);
@@ -62,6 +68,8 @@ private:
     void make_passes();
     void take(vulkan::Commands& commands, bool here) const;
     void record_order(vulkan::Commands& commands, std::uint32_t count) const;
+    template <class Record>
+    void submit_recorded(std::uint64_t after, std::uint64_t done, const Record& record);
     void batch(std::uint64_t wait_value, std::uint64_t signal_value);
     void run_now(vulkan::Commands& commands);
     template <class Real>
@@ -76,6 +84,8 @@ private:
     vulkan::Memory memory_;
     OwnBuffers scratch_;
     std::optional<FrameBuffers> buffers_;
+    std::optional<Gradients> gradients_;
+    Slice slopes_;
     Scan scan_;
     std::vector<vulkan::Pass> passes_;  // order_cells, order_rows
     std::array<std::unique_ptr<vulkan::Commands>, 2> flights_;

@@ -30,6 +30,8 @@ struct FrameState {
 
     std::shared_ptr<const PlanState> plan;
 
+    [[nodiscard]] const gpu::DeviceSeeds& seeds() const { return seeds_; }
+
 private:
     void record_stages(const RecordOptions& options);
     void record_upload(const RecordOptions& options);
@@ -45,10 +47,13 @@ private:
 
 [[noreturn]] void refuse(const std::string& what);  // throws invalid_argument
 
-// Makes plans on devices of votess.
+// Makes plans on devices of votess, and shows what they hold.
 struct PlanAccess {
     [[nodiscard]] static Plan plan(std::shared_ptr<gpu::vulkan::Device> device, const PlanOptions& options);
     [[nodiscard]] static const gpu::Passes& passes(const Plan& plan) { return *plan.state_->passes; }
+    [[nodiscard]] static gpu::vulkan::Device& device(const Plan& plan) { return *plan.state_->device; }
+    // Returns the seeds of the frame's last recording.
+    [[nodiscard]] static const gpu::DeviceSeeds& seeds(const Frame& frame) { return frame.state_->seeds(); }
 };
 
 // Returns whether a cell waits for resolve(). status: CellStatus.

@@ -115,4 +115,10 @@ detail::FrameRows gather_rows(const FrameArrays& frame, const Resolved& more, co
     return Gatherer(frame, more, want, narrow, pool).take();
 }
 
+std::vector<std::int8_t> padded_shifts(const detail::FrameRows& rows) {
+    std::vector<std::int8_t> padded(rows.shifts.size() / 3 * 4);
+    for (std::size_t e = 0; e < padded.size() / 4; ++e) std::copy_n(&rows.shifts[3 * e], 3, &padded[4 * e]);
+    return padded;
+}
+
 }  // namespace votess::gpu

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/thread_pool.hpp"
 #include "result/frame_rows.hpp"
@@ -22,5 +23,8 @@ struct FrameArrays {
 // Returns the cells. more: those that the CPU made instead. narrow: whether centroids are float32.
 [[nodiscard]] detail::FrameRows gather_rows(const FrameArrays& frame, const votess::vulkan::Resolved& more,
                                             const Want& want, bool narrow, ThreadPool& pool);
+
+// Returns the shifts as shaders read them: int8 x y z 0.
+[[nodiscard]] std::vector<std::int8_t> padded_shifts(const detail::FrameRows& rows);
 
 }  // namespace votess::gpu

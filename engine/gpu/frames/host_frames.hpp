@@ -9,6 +9,7 @@
 
 #include "core/thread_pool.hpp"
 #include "gpu/frames/frame_buffers.hpp"
+#include "gpu/frames/gradients.hpp"
 #include "gpu/vulkan/commands.hpp"
 #include "result/frame_rows.hpp"
 #include "votess/vulkan.hpp"
@@ -20,8 +21,9 @@ namespace votess::gpu {
 class HostFrames {
 public:
     // options: their format is float64, and points of float32 are widened. Throws as Plan().
+    // gradients: whether there is vjp().
     HostFrames(std::shared_ptr<vulkan::Device> device, const votess::vulkan::PlanOptions& options, const Want& want,
-               unsigned threads);
+               unsigned threads, bool gradients = false);
 
     [[nodiscard]] const std::shared_ptr<vulkan::Device>& device() const { return device_; }
     [[nodiscard]] const votess::vulkan::Plan& plan() const { return plan_; }
@@ -34,17 +36,22 @@ public:
         std::ranges::copy(points, seeds_.as<double>().begin());
         std::ranges::copy(weights, weights_.as<double>().begin());
         submit();
-        return gather({});
+        return gather();
     }
     // Whether a run has succeeded since the last one that failed.
     [[nodiscard]] bool has_run() const { return has_run_; }
     // Returns the cells of the last run. Those without a certificate are made on the CPU.
     [[nodiscard]] detail::FrameRows resolve();
+    [[nodiscard]] const Want& want() const { return want_; }
+    [[nodiscard]] bool has_gradients() const { return gradients_.has_value(); }
+    // Sets the derivatives of a number by the points and weights of the last run, 3N and N. Throws invalid_use for
+    // unresolved cells.
+    void vjp(const detail::FrameVectors& given, double* by_points, double* by_weights);
 
 private:
     void begin(std::size_t count, bool narrow);
     void submit();
-    [[nodiscard]] detail::FrameRows gather(const votess::vulkan::Resolved& more);
+    [[nodiscard]] detail::FrameRows gather();
 
     std::shared_ptr<vulkan::Device> device_;
     votess::vulkan::Plan plan_;
@@ -53,7 +60,9 @@ private:
     vulkan::Memory memory_;
     vulkan::Buffer seeds_, weights_;
     std::optional<FrameBuffers> buffers_;
+    std::optional<Gradients> gradients_;
     vulkan::Commands commands_;
+    votess::vulkan::Resolved more_;  // cells of the last run that the CPU made
     std::size_t count_ = 0;
     bool narrow_ = false;  // the points were float32
     bool has_run_ = false;

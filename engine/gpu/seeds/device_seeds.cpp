@@ -171,6 +171,14 @@ void DeviceSeeds::set_cell(const CellImages& cell) {
     for (int k = 0; k < 3; ++k) images_.extent[k] = words(extent_[k]);
 }
 
+std::array<uvec2, 9> DeviceSeeds::vectors() const {
+    std::array<uvec2, 9> all{};
+    std::ranges::copy(lattice_.vector, all.begin());
+    for (std::size_t k = 0; k < 3; ++k)
+        if ((images_.periodic >> k & 1) != 0) all[4 * k] = images_.side[k];
+    return all;
+}
+
 void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const Slice& header,
                                 std::uint32_t count) const {
     ImagesPush push = images_;

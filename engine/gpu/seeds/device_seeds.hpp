@@ -125,6 +125,10 @@ public:
     [[nodiscard]] std::uint64_t period(std::size_t axis) const {
         return images_.side[axis].x | std::uint64_t{images_.side[axis].y} << 32;
     }
+    // Returns the vectors a, b and c along which the box repeats, in units; 0 where it does not.
+    [[nodiscard]] std::array<uvec2, 9> vectors() const;
+    // Returns the number of walls of any direction, with those of the box.
+    [[nodiscard]] std::size_t walls() const { return walls_.size(); }
     // Returns the box's lower corner in units, modulo 2^64.
     [[nodiscard]] const std::uint64_t* origin() const { return origin_; }
     [[nodiscard]] std::span<const std::uint32_t> level_first() const {

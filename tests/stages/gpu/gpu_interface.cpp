@@ -6,6 +6,7 @@
 #include <mutex>
 #include <set>
 
+#include "gpu/frames/gradients.hpp"
 #include "gpu/passes/passes.hpp"
 #include "gpu/vulkan/spirv.hpp"
 #include "shaders.hpp"
@@ -151,6 +152,7 @@ TEST_SUITE("stages") {
             CAPTURE(bits);
             const votess::gpu::Passes passes(*device, s);
         }
+        for (const bool wide : {false, true}) const votess::gpu::GradientPasses passes(*device, wide);
         // All ids of the table are used.
         CHECK(calls.all_bindings.size() == BINDING_COUNT);
         CHECK(*calls.all_bindings.rbegin() == BINDING_COUNT - 1);

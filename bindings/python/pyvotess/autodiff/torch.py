@@ -1,8 +1,8 @@
-"""Cells of PyTorch tensors on the CPU, with derivatives by ``backward()`` and ``torch.autograd``."""
+"""Cells of PyTorch tensors, with derivatives by ``backward()`` and ``torch.autograd``: on the CPU, or by frames on a GPU."""
 
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
@@ -16,7 +16,10 @@ from torch.autograd.function import once_differentiable
 from .._domain import Domain
 from . import Measures, forward, vjp
 
-__all__ = ["tessellate"]
+if TYPE_CHECKING:
+    from ..gpu import Frames
+
+__all__ = ["measure", "tessellate"]
 
 
 def _tensor(array: Any, like: Any = None) -> Any:
@@ -42,6 +45,61 @@ class _Cells(torch.autograd.Function):
         return _tensor(found.points, points), None if weights is None else _tensor(found.weights, weights), None
 
 
+class _FrameCells(torch.autograd.Function):
+    """Cells of frames. Their arrays may lie in memory of the frames, so tensors are copies."""
+
+    @staticmethod
+    def forward(ctx: Any, points: Any, weights: Any, frames: Any) -> Any:
+        ctx.save_for_backward(points, weights)
+        ctx.on_cuda = points.is_cuda
+        stream = {"stream": torch.cuda.current_stream(points.device)} if points.is_cuda else {}
+        inputs = [None if tensor is None else tensor.detach().contiguous() for tensor in (points, weights)]
+        ctx.cells = cells = frames(*inputs, **stream).resolve()
+
+        def copy(name: str) -> Any:
+            array = cells.__dict__.get(name)
+            return None if array is None else torch.as_tensor(array, device=points.device).clone()
+
+        volumes, centroids, areas, status, adjacency, offsets = map(
+            copy, ("volumes", "centroids", "face_areas", "status", "indices", "indptr")
+        )
+        if points.is_cuda:  # arrays are longer than the rows
+            end = int(offsets[-1])
+            areas, adjacency = (None if array is None else array[:end].clone() for array in (areas, adjacency))
+        ctx.mark_non_differentiable(status, adjacency, offsets)
+        return volumes, centroids, areas, status, adjacency, offsets
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, volumes: Any, centroids: Any, areas: Any, *of_rows: Any) -> Any:
+        points, weights = ctx.saved_tensors
+        given = [None if tensor is None else tensor.contiguous() for tensor in (volumes, centroids, areas)]
+        if ctx.on_cuda:
+            found = ctx.cells.vjp(*given, stream=torch.cuda.current_stream(points.device))
+        else:
+            found = ctx.cells.vjp(*(None if tensor is None else tensor.numpy() for tensor in given))
+        by_points, by_weights = (torch.as_tensor(array, device=points.device).clone() for array in found)
+        return by_points.to(points.dtype), None if weights is None else by_weights.to(weights.dtype), None
+
+
+def measure(frames: Frames, points: Any, weights: Any = None) -> Measures:
+    """Returns the measures of the cells that ``frames`` makes, as tensors beside ``points``, with derivatives on its device.
+
+    Parameters
+    ----------
+    frames : with ``gradients=True``. Measures that are not in its ``want`` are None. Centroids need volumes too.
+    points, weights : as for a call of ``frames``: tensors on its GPU where its device is "cuda", else on the CPU.
+
+    Volumes and areas are float32, centroids of the type of the points. All cells are resolved, for which the host waits.
+    Call ``backward()`` before the next call of ``frames``: ValueError otherwise. There are no second derivatives.
+    """
+    return Measures(*_order(*_FrameCells.apply(points, weights, frames)))
+
+
+def _order(volumes: Any, centroids: Any, areas: Any, status: Any, adjacency: Any, offsets: Any) -> Any:
+    return volumes, centroids, status, areas, adjacency, offsets
+
+
 def tessellate(points: Any, domain: Optional[Domain] = None, *, weights: Any = None, **options: Any) -> Measures:
     """Returns the measures of the cells as tensors, of the type of ``points``.
 
@@ -57,6 +115,5 @@ def tessellate(points: Any, domain: Optional[Domain] = None, *, weights: Any = N
             kind = tensor.dtype if torch.is_tensor(tensor) else type(tensor).__name__
             raise ValueError(f"{name} is {kind}: give a tensor of float64 or float32")
         if tensor is not None and tensor.device.type != "cpu":
-            raise ValueError(f"{name} is on {tensor.device}: give {name}.cpu()")
-    volumes, centroids, areas, status, adjacency, offsets = _Cells.apply(points, weights, {"domain": domain, **options})
-    return Measures(volumes, centroids, status, areas, adjacency, offsets)
+            raise ValueError(f"{name} is on {tensor.device}: give {name}.cpu(), or use measure() with frames on that device")
+    return Measures(*_order(*_Cells.apply(points, weights, {"domain": domain, **options})))
