@@ -547,7 +547,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("unbounded: a probe beside many seeds in a plane or on a line touches each of them") {
-        const std::size_t n = test::by_size(4000, 1000);  // took a second for 1,000 seeds, and four times for twice
+        const std::size_t n = test::by_size(4000, 1000);  // took a second for 1,000 seeds, 30 for 4,000
         test::Random random(16);
         for (const bool line : {true, false}) {
             Coordinates points;
