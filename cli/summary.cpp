@@ -105,6 +105,7 @@ void add(const votess::Stats& one, votess::Stats& sum) {
 void add(const votess::VerifyReport& one, votess::VerifyReport& sum) {
     sum.sampled += one.sampled;
     sum.proven &= one.proven;
+    if (sum.unproven.empty()) sum.unproven = one.unproven;
     if (one.tiny_faces) sum.tiny_faces = sum.tiny_faces.value_or(0) + *one.tiny_faces;
 }
 
@@ -236,6 +237,7 @@ std::string plain_summary(const Summary& summary) {
         else
             result += ", " + std::to_string(summary.verified->sampled) + " of " + std::to_string(stats.points) +
                       " cells checked against every point";
+        if (!summary.verified->unproven.empty()) result += ", no proof: " + summary.verified->unproven;
         line("verified", result);
     }
     line("device", stats.device +
@@ -295,6 +297,8 @@ std::string json_summary(const Summary& summary) {
     member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
     member("verified", !summary.verified ? "null" : summary.verified->passed ? "true" : "false");
     member("proven", !summary.verified ? "null" : summary.verified->proven ? "true" : "false");
+    const bool unproven = summary.verified && !summary.verified->unproven.empty();
+    member("unproven", unproven ? json_string(summary.verified->unproven) : "null");
     member("verified_cells", summary.verified ? std::to_string(summary.verified->sampled) : "null");
     if (!summary.mesh.empty()) {
         member("mesh", json_string(summary.mesh));

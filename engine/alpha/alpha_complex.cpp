@@ -384,6 +384,21 @@ private:
     std::vector<Whole<D>> out_;
 };
 
+// Returns the edges between seeds on one line, which are those between neighbors.
+std::vector<Whole<1>> edges_of_line(const Tessellation& t, const Places& places) {
+    std::vector<Whole<1>> edges;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (i % simplices_per_stop == 0) check_stop();
+        for (const std::int32_t j : t.neighbors(i)) {
+            if (j < static_cast<std::int32_t>(i)) continue;
+            const Simplex<1> edge{{static_cast<std::int32_t>(i), j}, {}};
+            const exact::Orthosphere<1> sphere = places.sphere<1>(edge.members());
+            edges.push_back({edge, sides_of(sphere), places.unscaled(sphere.square)});
+        }
+    }
+    return edges;
+}
+
 // A face, as a simplex sees it.
 struct FaceSide {
     std::uint64_t key;   // the seeds of the face after its first
@@ -569,6 +584,7 @@ struct WholeDiagram {
     std::vector<double> points;
     std::vector<std::int32_t> ids;  // of the rows; empty: all
     std::size_t added = 0;          // seeds at the end, see points_beside()
+    bool line = false;              // all seeds lie on one; none is added then
 };
 
 bool has_cell(CellStatus status) {
@@ -576,7 +592,7 @@ bool has_cell(CellStatus status) {
 }
 
 // Returns points that make seeds in one plane span space: one beside the plane, two beside a line; in the plane one
-// beside a line. Simplices without them are those of the plane or line. Wherever the points are, the seeds are a face
+// beside a line. Simplices without them are those of the plane. Wherever the points are, the seeds are a face
 // of their convex hull.
 std::vector<double> points_beside(std::span<const double> points, std::span<const CellStatus> status,
                                   std::size_t dimensions) {
@@ -688,6 +704,8 @@ WholeDiagram whole_diagram(const Tessellation& t, std::span<const double> points
     const std::vector<double> seeds = out.points;
     const auto tries = periodic ? images_beside(space_of(t), out.tessellation, seeds)
                                 : std::vector<std::vector<double>>{points_beside(seeds, status, dimensions)};
+    out.line = !periodic && tries[0].size() == dimensions * (dimensions - 1);
+    if (out.line) return out;
     for (const std::vector<double>& beside : tries) {
         if (out.added > 0 && !out.tessellation.vertices().empty()) break;
         out.added = beside.size() / dimensions;
@@ -756,7 +774,10 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
     const auto add_faces = [&](Level<2>&& of_triangles, std::size_t max_edges) {
         faces_of<1>(faces_of<2>(std::move(of_triangles), max_edges, places, edges), seeds, places, vertices);
     };
-    if (planar) {
+    if (diagram.line) {
+        faces_of<1>(sorted_level<1>(edges_of_line(diagram.tessellation, places), seeds, places, edges), seeds, places,
+                    vertices);
+    } else if (planar) {
         auto of_triangles = highest_level(std::integral_constant<std::size_t, 2>(), triangles);
         const std::size_t max_edges = seeds + of_triangles.size();  // by Euler's formula
         add_faces(std::move(of_triangles), max_edges);

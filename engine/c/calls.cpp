@@ -99,6 +99,8 @@ void begin_report(const ReportOut& out) {
     if (out.sampled != nullptr) *out.sampled = 0;
     require_text_buffer(out.failure, out.failure_size, "failure");
     copy_text("", out.failure, out.failure_size);
+    require_text_buffer(out.unproven, out.unproven_size, "unproven");
+    copy_text("", out.unproven, out.unproven_size);
 }
 
 void write_report(const VerifyReport& report, const ReportOut& out) {
@@ -107,6 +109,7 @@ void write_report(const VerifyReport& report, const ReportOut& out) {
     }
     if (out.sampled != nullptr) *out.sampled = report.sampled;
     copy_text(report.failure, out.failure, out.failure_size);
+    copy_text(report.unproven, out.unproven, out.unproven_size);
     if (out.proven != nullptr) *out.proven = report.proven ? 1 : 0;
     *out.passed = report.passed ? 1 : 0;
 }
@@ -115,9 +118,9 @@ void write_report(const VerifyReport& report, const ReportOut& out) {
 
 votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
                             uint64_t rng_seed, int* passed, int* proven, uint32_t* skipped, size_t* sampled,
-                            char* failure, size_t failure_size) {
+                            char* failure, size_t failure_size, char* unproven, size_t unproven_size) {
     return guarded([&] {
-        const ReportOut out{passed, proven, skipped, sampled, failure, failure_size};
+        const ReportOut out{passed, proven, skipped, sampled, failure, failure_size, unproven, unproven_size};
         begin_report(out);
         const auto input = points_of(result, points, count);
         write_report(votess::verify(result->tessellation, input, verify_options(sample, rng_seed)), out);

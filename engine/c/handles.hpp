@@ -118,6 +118,8 @@ struct ReportOut {
     std::size_t* sampled;
     char* failure;
     std::size_t failure_size;
+    char* unproven;
+    std::size_t unproven_size;
 };
 // Refuses pointers that must not be NULL, and writes "not passed".
 VOTESS_API void begin_report(const ReportOut& out);

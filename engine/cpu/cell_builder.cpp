@@ -29,6 +29,7 @@ constexpr double smallest_band = 0.01;  // of the squared distance that the wind
 constexpr double band_growth = 1.6;     // of the squared distance from band to band
 constexpr std::size_t max_idle = 24;    // seeds in a row that do not cut a cell that reaches far beyond them
 constexpr double far_beyond = 16;       // times the squared distance
+constexpr int cuts_in_a_row = 16, large_cell = 512;  // slots; see clip_far()
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
@@ -581,6 +582,9 @@ double CellBuilder::clip_band(double from, double to, std::size_t& idle) {
 
 void CellBuilder::clip_far(double from) {
     const Box here{at_, at_};
+    // A test of a large cell against a box takes longer than a cut. While most seeds cut it, they are not tested.
+    int in_a_row = 0;
+    const auto worth_a_test = [&] { return in_a_row < cuts_in_a_row || cell_.slots() < large_cell; };
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
@@ -589,7 +593,7 @@ void CellBuilder::clip_far(double from) {
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > max_tests_) return;
         poll_stop();
-        if (!node_may_cut(entry)) continue;
+        if (worth_a_test() && !node_may_cut(entry)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
@@ -605,8 +609,10 @@ void CellBuilder::clip_far(double from) {
             if (distance[i - begin] < from || static_cast<std::int32_t>(i) == own_) continue;
             const exact::Point x{seeds_.x[i], seeds_.y[i], seeds_.z[i]};
             const double excess = seeds_.weights.empty() ? 0 : seeds_.weights[i] - weight_;
-            if (!seeds_.lift.exists() && !may_cut(seen_from(at_, {x, x}, place_rounding_), excess)) continue;
-            clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2]);
+            if (!seeds_.lift.exists() && worth_a_test() && !may_cut(seen_from(at_, {x, x}, place_rounding_), excess))
+                continue;
+            const bool cuts = clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2]);
+            in_a_row = cuts ? in_a_row + 1 : 0;
             ++tests_;
         }
     }

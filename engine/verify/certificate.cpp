@@ -111,8 +111,8 @@ Certificate::Verdict Certificate::prove() {
     return verdict;
 }
 
-void Certificate::unsettle(Worker& w, std::size_t i) {
-    w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "cell " + std::to_string(i) + " is not settled"; });
+void Certificate::unsettle(Worker& w, std::size_t i, const char* why) {
+    w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + ' ' + why; });
 }
 
 bool Certificate::is_live(std::int32_t id) const {
@@ -219,7 +219,8 @@ void Certificate::find_walls(Worker& w) const {
 
 bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
     const RowPolytope& polytope = w.polytope;
-    if (shape == Shape::unsettled) return unsettle(w, i), false;
+    if (shape == Shape::unsettled)
+        return unsettle(w, i, "has too many faces to find all corners by exact signs"), false;
     const int listed = static_cast<int>(rows_.end(i) - rows_.begin(i));
     const std::string seed = "seed " + std::to_string(i);
     const auto fault = [&](const std::string& text) {
@@ -500,7 +501,7 @@ void Certificate::check_other(Worker& w, std::size_t i) {
         default:
             return fault(" has no verdict");
     }
-    if (result_.duplicate_of.empty()) return unsettle(w, i);
+    if (result_.duplicate_of.empty()) return unsettle(w, i, "is a duplicate, and the result does not say of which one");
     const std::int32_t k = result_.duplicate_of[i];
     const bool is_seed = k >= 0 && k < static_cast<std::int32_t>(i) &&
                          result_.status[static_cast<std::size_t>(k)] != CellStatus::duplicate &&
@@ -588,7 +589,7 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
         if (excluded) return;
         polytope.add(best);
     }
-    unsettle(w, i);
+    unsettle(w, i, "has no cell, and no few others were found that exclude it");
 }
 
 // Condition 3.
@@ -597,9 +598,14 @@ void Certificate::check_volume(Worker& sum) const {
     const auto has = [&](CellStatus status) {
         return std::ranges::find(result_.status, status) != result_.status.end();
     };
-    if (!has(CellStatus::certified) && has(CellStatus::empty)) return unsettle(sum, 0);
+    if (!has(CellStatus::certified) && has(CellStatus::empty))
+        return unsettle(sum, 0, "has no cell, nor has any other");
     if (!has(CellStatus::certified) || (sum.volume + sum.doubt < 1.5 * domain && sum.doubt < 0.25 * domain)) return;
-    if (!(sum.doubt < 0.25 * domain) || std::isinf(domain)) return unsettle(sum, 0);  // or float64 cannot hold it
+    if (!(sum.doubt < 0.25 * domain) || std::isinf(domain)) {
+        sum.unsettled.note(0,
+                           [] { return std::string("float64 cannot hold the volumes of the cells and the domain"); });
+        return;
+    }
     sum.fault.note(-1, [&] {
         return "the cells that the rows describe have a volume of " + number(sum.volume) + ", the domain holds " +
                number(job_.box_volume);

@@ -46,7 +46,7 @@ public:
     struct Verdict {
         bool proven = false;
         Fault fault;      // of a cell, or of -1: of all together
-        Fault unsettled;  // a cell that is neither proven nor certainly wrong
+        Fault unsettled;  // why a cell is neither proven nor certainly wrong
     };
     // job: of the points of the result, and its domain. Rows must ascend and be symmetric. All must outlive this
     // object.
@@ -107,7 +107,7 @@ private:
     template <class Visit>
     void for_neighbors(const RowPolytope::Name& of, const Visit& visit) const;
     void check_volume(Worker& sum) const;
-    static void unsettle(Worker& w, std::size_t i);
+    static void unsettle(Worker& w, std::size_t i, const char* why);
 
     const CheckedRun& run_;
     const Job& job_;

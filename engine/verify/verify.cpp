@@ -247,6 +247,16 @@ struct ExpectedRow {
     }
 };
 
+constexpr const char* dropped_faces = "small faces were dropped";
+
+// Returns why there is no proof of all cells in a box; empty where there is one.
+std::string unprovable(const Tessellation& t, const Result& result, const VerifyOptions& options) {
+    if (options.sample) return "a number of cells was given, which are sampled";
+    if (result.indptr.empty()) return "the result has no neighbors";
+    if (t.is_subset()) return "the result has only some of the cells";
+    return result.least_face == 0 ? "" : dropped_faces;
+}
+
 // Returns the seed of a row.
 std::size_t seed_of(const Tessellation& t, std::size_t row) {
     return t.is_subset() ? at(t.ids()[row]) : row;
@@ -375,7 +385,7 @@ VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyO
     const Tessellation far = tessellate(std::move(second));
     const std::vector<double> places = wrapped_points(far, points);
     VerifyReport report = verify(far, points, how);
-    report.proven &= !drops;
+    if (drops && report.proven) report.proven = false, report.unproven = dropped_faces;
     if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, points);
     const double tolerance = tolerance_of(t);
     ExpectedRow row;
@@ -428,6 +438,7 @@ VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyO
 VerifyReport verify_in_mesh(const Tessellation& t, Settled second, const VerifyOptions& how) {
     second.want = {.neighbors = true, .volumes = true, .counts = true};
     VerifyReport report = verify(tessellate(second), second.points.f64, how);
+    report.unproven = "a mesh cuts the cells" + (report.proven ? "" : ", and " + report.unproven);
     report.proven = false;
     report.tiny_faces.reset();
     const Pieces parts = pieces(t);
@@ -475,9 +486,9 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled s
         report.failure = check_polygons(result);
         report.passed = report.failure.empty();
     };
-    const bool provable = !options.sample && !result.indptr.empty() && result.least_face == 0 && !t.is_subset();
-    if (!provable) {
+    if (std::string why = unprovable(t, result, options); !why.empty()) {
         VerifyReport report = check(sample);
+        report.unproven = std::move(why);
         check_polygons_too(report);
         return report;
     }
@@ -495,6 +506,7 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled s
     report = check(one);
     if (!report.passed) return report;
     if (verdict.fault.text.empty()) report = check(sample);
+    report.unproven = verdict.unsettled.text;
     check_polygons_too(report);
     if (report.passed && !verdict.fault.text.empty()) {
         report.passed = false;
@@ -551,6 +563,7 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
         report.passed = report.failure.empty();
         report.proven &= report.passed;
     }
+    if (report.proven || !report.passed) report.unproven.clear();
     return report;
 }
 

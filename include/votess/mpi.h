@@ -57,7 +57,8 @@ VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result,
 // 0 for VOTESS_MPI_MADE. The other arguments are those of votess_verify, except that no cell is proven.
 VOTESS_API votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, const double* points,
                                            size_t count, size_t sample, uint64_t rng_seed, int* passed,
-                                           uint32_t* skipped, size_t* sampled, char* failure, size_t failure_size);
+                                           uint32_t* skipped, size_t* sampled, char* failure, size_t failure_size,
+                                           char* unproven, size_t unproven_size);
 
 #ifdef __cplusplus
 }

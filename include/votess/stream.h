@@ -78,6 +78,7 @@ typedef struct votess_stream_counts {
     uint32_t checks_skipped;  // VOTESS_CHECK_* bits
     uint64_t sampled;         // cells clipped again by every seed
     char failure[256];        // one line of UTF-8 on the first failed check, cut to fit; "" when passed
+    char unproven[128];       // the same on why not all cells are proven
 } votess_stream_counts;
 
 // Tessellates the seeds of a stream and calls its callbacks. options: NULL = defaults; without weights and radii.

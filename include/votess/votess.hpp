@@ -490,7 +490,8 @@ struct VerifyReport {
     std::size_t sampled = 0;           // cells clipped again, up to the one that failed
     // As in Stats, not a failure. Unset for rows found in blocks and of some seeds.
     std::optional<std::uint64_t> tiny_faces;
-    bool proven = false;  // all neighbors, shifts, and which seeds have cells are proven; no sample was needed
+    bool proven = false;   // all neighbors, shifts, and which seeds have cells are proven; no sample was needed
+    std::string unproven;  // one line on why not all cells are proven; empty when they are, and when a check failed
 };
 // Checks a result from outside, as --verify does:
 //   - volumes sum to that of the domain (relative 1e-9; 1e-4 when stats().precision is single)
@@ -511,8 +512,8 @@ struct VerifyReport {
 // `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
 // With Options::only all seeds clip the cells of the sample, rows are symmetric among those that are there, and the
 // check "volumes" is skipped. There is no proof without neighbors, with Options::only, in a mesh, and after min_face or
-// min_area; nor of rows found in blocks. points: the array given to tessellate(). Throws invalid_argument when its
-// length differs from that of the run, and for cells of probes.
+// min_area; nor of rows found in blocks. `unproven` says why. points: the array given to tessellate(). Throws
+// invalid_argument when its length differs from that of the run, and for cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

@@ -546,6 +546,23 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("unbounded: a probe beside many seeds in a plane or on a line touches each of them") {
+        const std::size_t n = test::by_size(4000, 1000);  // took a second for 1,000 seeds, 30 for 4,000
+        test::Random random(16);
+        for (const bool line : {true, false}) {
+            Coordinates points;
+            std::vector<std::int32_t> all;
+            for (std::size_t i = 0; i < n; ++i) {
+                points.insert(points.end(), {random.uniform(0, 1), line ? 0.0 : random.uniform(0, 1), 0});
+                all.push_back(static_cast<std::int32_t>(i));
+            }
+            Options options = endless_options();
+            const votess::Diagram diagram(points, options);
+            const auto probed = diagram.probe(std::vector<double>{0.5, 0.3, 0.1});
+            CHECK(std::ranges::equal(probed.neighbors(0), all));
+        }
+    }
+
     TEST_CASE("unbounded: the digits of some cells are those of the full run") {
         for (std::size_t trial = 0; trial < 12; trial += test::by_size(1, 5)) {
             CAPTURE(trial);

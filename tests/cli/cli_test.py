@@ -19,7 +19,7 @@ SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreig
 
 JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
              "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "kept_cells", "tiny_faces", "threads", "seconds",
-             "peak_memory_bytes", "verified", "proven", "verified_cells"]
+             "peak_memory_bytes", "verified", "proven", "unproven", "verified_cells"]
 SECONDS_KEYS = ["total", "open", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = re.findall(r'^ *\{"(?:-\w, )?(--[a-z0-9+-]+)', (ROOT / "cli/options.cpp").read_text(), re.M)
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]

@@ -298,6 +298,7 @@ class Usage(CliTest):
         self.assertTrue(14 < summary["mean_faces"] < 15.6)
         self.assertIsNone(summary["verified"])
         self.assertIsNone(summary["proven"])
+        self.assertIsNone(summary["unproven"])
         self.assertIsNone(summary["verified_cells"])
         self.assertGreater(summary["peak_memory_bytes"], 1e6)
         self.assertGreaterEqual(summary["threads"], 1)
@@ -312,12 +313,17 @@ class Usage(CliTest):
     def test_verify(self):
         for extra in [[], ["--list-walls"], ["--want", "neighbors"], ["--want", "volumes", "-o", "out.npz"], ["-t", "1"]]:
             summary = self.json("--random", "5000", "--verify", *extra)
-            self.assertEqual([summary[key] for key in ("verified", "proven", "verified_cells")], [True, True, 0])
+            self.assertEqual([summary[key] for key in ("verified", "proven", "unproven", "verified_cells")],
+                             [True, True, None, 0])
         for want in ["volumes", "volumes,faces"]:
             self.assertRegex(self.run_cli("--random", "500", "--verify", "--want", want).stdout,
                              "(?m)^verified +yes, all cells proven$")
-        summary = self.json("--random", "500", "--verify", "--min-face", "1e-3")
-        self.assertEqual([summary[key] for key in ("verified", "proven", "verified_cells")], [True, False, 500])
+        dropped = ["--random", "500", "--verify", "--min-face", "1e-3"]
+        summary = self.json(*dropped)
+        self.assertEqual([summary[key] for key in ("verified", "proven", "unproven", "verified_cells")],
+                         [True, False, "small faces were dropped", 500])
+        self.assertRegex(self.run_cli(*dropped).stdout, "(?m)^verified +yes, without euler, 500 of 500 cells checked against "
+                                                        "every point, no proof: small faces were dropped$")
         with np.load(self.folder / "out.npz") as arrays:
             self.assertNotIn("indices", arrays.files)  # computed for the check, not requested
 

@@ -115,6 +115,7 @@ class VerifyReport:
     sampled: int = 0  #: cells checked by brute force, up to the failed one
     tiny_faces: Optional[int] = None  #: as in :class:`Stats`, not a failure; None for rows from blocks
     proven: bool = False  #: all neighbors, shifts, and which seeds have cells are proven; no sample was needed
+    unproven: str = ""  #: one line on why not all cells are proven; empty when they are, and when a check failed
 
     def __bool__(self) -> bool:
         return self.passed
@@ -127,15 +128,19 @@ def as_sample(sample: Optional[int], rng_seed: int) -> Tuple[int, int]:
     return cells, as_count(rng_seed, "rng_seed", 64)
 
 
-def read_report(passed: int, skipped: int, sampled: int, failure: bytes, proven: bool = False) -> VerifyReport:
+def read_report(
+    passed: int, skipped: int, sampled: int, failure: bytes, unproven: bytes, proven: bool = False
+) -> VerifyReport:
     names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped & bit)
-    return VerifyReport(bool(passed), failure.decode("utf-8", "replace"), names, sampled, proven=proven)
+    texts = [text.decode("utf-8", "replace") for text in (failure, unproven)]
+    return VerifyReport(bool(passed), texts[0], names, sampled, proven=proven, unproven=texts[1])
 
 
 def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
     """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one proves cells."""
     passed, proven, skipped, sampled = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
-    failure = ctypes.create_string_buffer(1024)
+    texts = [ctypes.create_string_buffer(1024) for _ in range(2)]  # failure, unproven
     verdict = (passed, proven, skipped) if proves else (passed, skipped)
-    raise_on_failure(function(*arguments, *verdict, sampled, failure, len(failure)))
-    return read_report(passed.value, skipped.value, sampled.value, failure.value, bool(proven.value))
+    buffers = [part for text in texts for part in (text, len(text))]
+    raise_on_failure(function(*arguments, *verdict, sampled, *buffers))
+    return read_report(passed.value, skipped.value, sampled.value, texts[0].value, texts[1].value, bool(proven.value))

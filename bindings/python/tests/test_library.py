@@ -37,7 +37,8 @@ class Verify(unittest.TestCase):
         self.assertTrue(t.verify(sample=10**9, rng_seed=2**64 - 1))
         self.assertEqual([t.verify(sample=n).sampled for n in (0, 7, 10**9)], [0, 7, 20])
         self.assertEqual([t.verify(sample=n).proven for n in (0, 7, 10**9)], [False] * 3)
-        self.assertEqual((t.verify().proven, t.verify().sampled), (True, 0))
+        self.assertEqual((t.verify().proven, t.verify().unproven, t.verify().sampled), (True, "", 0))
+        self.assertEqual(t.verify(sample=7).unproven, "a number of cells was given, which are sampled")
         with self.assertRaisesRegex(ValueError, "sample is -1"):
             t.verify(sample=-1)
         with self.assertRaisesRegex(ValueError, "rng_seed"):

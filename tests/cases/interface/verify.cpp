@@ -797,6 +797,69 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("verify says why cells are not proven") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        const test::PointSet set = test::uniform(60, 113);
+        const auto reason = [](const votess::Tessellation& t, std::span<const double> points,
+                               const votess::VerifyOptions& how = {}) {
+            const votess::VerifyReport report = votess::verify(t, points, how);
+            CHECK(report.failure == "");
+            CHECK(report.proven == report.unproven.empty());
+            return report.unproven;
+        };
+        const auto plain = [&] {
+            votess::Options options = rows_only();
+            options.box = set.box;
+            return options;
+        };
+        votess::Options options = plain();
+        CHECK(reason(test::run(set, options), set.points) == "");
+        CHECK(reason(test::run(set, options), set.points, {0, 1}) == "a number of cells was given, which are sampled");
+        options.want = {false, true, false, false};
+        CHECK(reason(test::run(set, options), set.points) == "the result has no neighbors");
+        options = plain();
+        options.min_area = 1e-3;
+        const std::string dropped = "small faces were dropped";
+        CHECK(reason(test::run(set, options), set.points) == dropped);
+        options.box = test::cube(-inf, inf);
+        CHECK(reason(votess::tessellate(std::span<const double>(set.points), options), set.points) == dropped);
+        CHECK(reason(votess::tessellate(std::span<const double>(set.points), options), set.points, {9, 1}) ==
+              "a number of cells was given, which are sampled");
+        options.planar = true;
+        options.box = votess::Box{{0, 0, 0}, {1, 1, 0}};
+        const auto flat = std::span<const double>(set.points).first(100);
+        CHECK(reason(votess::tessellate(flat, options), flat) == dropped);
+        options = plain();
+        const std::vector<std::int64_t> ids{3, 7};
+        options.only = ids;
+        CHECK(reason(test::run(set, options), set.points) == "the result has only some of the cells");
+        options = plain();
+        const test::Coordinates vertices{-1, -1, -1, 4, -1, -1, -1, 4, -1, -1, -1, 4};
+        const std::vector<std::int32_t> triangles{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+        options.box.reset();
+        options.mesh = votess::TriangleMesh{vertices, triangles};
+        const auto in_mesh = votess::tessellate(std::span<const double>(set.points), options);
+        CHECK(reason(in_mesh, set.points) == "a mesh cuts the cells");
+        CHECK(reason(in_mesh, set.points, {9, 1}) ==
+              "a mesh cuts the cells, and a number of cells was given, which are sampled");
+        CHECK(votess::verify(in_mesh, test::uniform(60, 114).points).unproven == "");  // it fails
+
+        // The certificate gives up.
+        test::Coordinates huge = set.points;
+        for (double& x : huge) x *= 1e110;  // volumes overflow
+        options = plain();
+        options.box = test::cube(0, 1e110);
+        CHECK(reason(votess::tessellate(std::span<const double>(huge), options), huge) ==
+              "float64 cannot hold the volumes of the cells and the domain");
+        test::Coordinates twice = set.points;
+        std::copy_n(twice.begin(), 3, twice.begin() + 3);
+        const auto t = votess::tessellate(std::span<const double>(twice), plain());
+        auto unnamed = result_with_parts(t, parts_of(t));
+        unnamed->duplicate_of.resize_uninitialized(0);
+        CHECK(reason(votess::Tessellation(std::move(unnamed)), twice) ==
+              "seed 1 is a duplicate, and the result does not say of which one");
+    }
+
     TEST_CASE("verify names what it skips") {
         const test::PointSet set = test::uniform(300, 95);
         votess::Options options;

@@ -243,5 +243,6 @@ def tessellate_stream(
         raise_on_failure(status)
     fields = {name: getattr(counts, name) for name in ("blocks", "largest_block", "asked_cells", "temporary_bytes")}
     if verify:
-        fields["verified"] = read_report(counts.passed, counts.checks_skipped, counts.sampled, counts.failure)
+        texts = (counts.failure, counts.unproven)
+        fields["verified"] = read_report(counts.passed, counts.checks_skipped, counts.sampled, *texts)
     return StreamResult(source.box if given.vectors is None else None, stats_of(c_stats), **fields)
