@@ -4,9 +4,9 @@
 #   ./tools/test.sh --all                       all tests: release, then the sanitizers
 #   ./tools/test.sh quick|release|asan|tsan...  these builds
 # asan is AddressSanitizer with UBSan and runs the tests labeled "sanitize". Four checks of UBSan are off, which take an
-# eighth of the time to compile: AddressSanitizer finds bad accesses. tsan is ThreadSanitizer, runs the tests labeled
-# "threads" without the GPU engine. Both compile the files of a folder together. Shaders are validated in the release
-# build.
+# eighth of the time to compile: AddressSanitizer finds bad accesses. It names functions; for lines add -g1 to the
+# preset. tsan is ThreadSanitizer, runs the tests labeled "threads" without the GPU engine. Both compile the files of a
+# folder together. Shaders are validated in the release build.
 # VOTESS_TEST_BEST=avx2 (or baseline) limits the CPU's vector instructions.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -73,8 +73,7 @@ void Newton::measure(Weighted& of) const {
         return Eigen::Map<const Vector>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
     };
     of.volumes = as_vector(of.tessellation.volumes());
-    if (problem_.density)
-        of.volumes = (1 - lift_) * as_vector(of.masses.masses) + lift_ * of.volumes;
+    if (problem_.density) of.volumes = (1 - lift_) * as_vector(of.masses.masses) + lift_ * of.volumes;
     of.residual = ((of.volumes - problem_.targets).array() / problem_.targets.array()).abs().maxCoeff();
 }
 
@@ -99,8 +98,7 @@ std::vector<double> Newton::areas() const {
     std::vector<double> areas(given.begin(), given.end());
     if (!problem_.density) return areas;
     const double lift = std::max(lift_, least_lift * std::min(1.0, now_.residual));
-    for (std::size_t i = 0; i < areas.size(); ++i)
-        areas[i] = (1 - lift) * now_.masses.face_masses[i] + lift * areas[i];
+    for (std::size_t i = 0; i < areas.size(); ++i) areas[i] = (1 - lift) * now_.masses.face_masses[i] + lift * areas[i];
     return areas;
 }
 
