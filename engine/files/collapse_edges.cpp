@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/at.hpp"
+#include "core/progress.hpp"
 #include "files/shared_mesh.hpp"
 
 namespace votess::files {
@@ -53,9 +54,12 @@ public:
         std::vector<Edge> edges = short_edges(length);
         for (bool any = true; any;) {
             any = false;
-            for (const Edge& edge : edges)
+            for (std::size_t e = 0; e < edges.size(); ++e) {
+                if (e % edges_per_stop == 0) check_stop();
+                const Edge& edge = edges[e];
                 // One earlier step may have taken it.
                 if (is_edge(edge)) any |= attempt(edge) || attempt({edge.dropped, edge.kept});
+            }
             edges = short_edges(length);
         }
         store();
@@ -64,6 +68,7 @@ public:
 
 private:
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
+    static constexpr std::size_t edges_per_stop = 256;
 
     [[nodiscard]] double length_of(const Edge& edge) const {
         const Vector3 d = minus(mesh_.vertex(edge.kept), mesh_.vertex(edge.dropped));

@@ -10,6 +10,7 @@
 #include "core/at.hpp"
 #include "core/box.hpp"
 #include "core/errors.hpp"
+#include "core/progress.hpp"
 
 namespace votess::files {
 namespace {
@@ -19,6 +20,7 @@ using Id = std::int32_t;
 // Errors of corners are at most 2^-42 of a cell's part, and half a unit in the last place.
 constexpr double same_of_extent = 0x1p-40, same_of_coordinate = 0x1p-50;
 constexpr double same_direction = 1e-9;  // sine of an angle
+constexpr std::size_t regions_per_stop = 1024;
 
 struct Triangle {
     std::array<Id, 3> corners;
@@ -129,6 +131,7 @@ public:
     void make_faces() {
         const std::vector<Id> patch = patches_of_triangles();
         for (std::size_t r = 0; r < regions_.size(); ++r) {
+            if (r % regions_per_stop == 0) check_stop();
             const Region& region = regions_[r];
             const Triangle& first = triangles_[at(region.triangles.front())];
             const Id piece = owners_[at(first.piece)];
@@ -231,6 +234,7 @@ private:
     // A side has a diagonal if two triangles of its piece and source meet there, and, between two pieces, no third
     // piece: images of one cell may have faces with one source that meet in an edge.
     void find_regions() {
+        check_stop();
         regions_.clear();
         std::vector<TriangleSide> sides;
         for (std::size_t t = 0; t < triangles_.size(); ++t) add_sides(t, sides);
@@ -371,6 +375,7 @@ private:
                 for (const auto& [a, b] : regions_[r].rim) rims.push_back({{own, beyond, a, b}, static_cast<Id>(r)});
         std::ranges::sort(rims, {}, [](const Rim& rim) { return std::pair(rim.key, rim.region); });
         for (std::size_t r = 0; r < regions_.size(); ++r) {
+            if (r % regions_per_stop == 0) check_stop();
             Region& region = regions_[r];
             const auto [own, beyond] = rows_of(region);
             if (beyond < 0 || region.twin >= 0) continue;

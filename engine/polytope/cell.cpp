@@ -20,10 +20,10 @@ constexpr double worst_condition = 1e4;     // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;    // a lattice meets fewer, all ties, which need the exact test
 constexpr int passed_before_sharpening = 256;
 constexpr std::size_t nodes_per_check = 256;
-constexpr int few_slots = 256;            // of a cell whose vertices are all compared with a plane
-constexpr int steps_at_first = 16;        // of a climb, before it starts again from the best of a sample
-constexpr std::size_t most_nearby = 256;  // vertices tried around the last cut
-constexpr std::int32_t no_plane = -1;     // walls are never refined
+constexpr int few_slots = 256;           // of a cell whose vertices are all compared with a plane
+constexpr int steps_at_first = 16;       // of a climb, before it starts again from the best of a sample
+constexpr std::size_t max_nearby = 256;  // vertices tried around the last cut
+constexpr std::int32_t no_plane = -1;    // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
 constexpr double term_error = 32 * unit;  // of a term of Cramer's rule: 17 u, and the sum
 constexpr double underflow = 0x1p-1060;   // above the rounding of terms of minors that underflow
@@ -597,7 +597,7 @@ std::optional<bool> Cell::climb(const CellPlane& plane, const FilterPlane& filte
             const double excess = height(v) - filter.h, doubt = bound(v) + filter.h_error;
             if (excess > doubt || (excess >= -doubt && side_exact(v, plane) > 0)) found = v;
             for (const std::int32_t next : corners_[v].next) {
-                if (visited_[next] != 0 || spared_.size() == most_nearby) continue;
+                if (visited_[next] != 0 || spared_.size() == max_nearby) continue;
                 visited_[next] = 1;
                 spared_.push_back(next);
             }

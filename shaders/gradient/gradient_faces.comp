@@ -14,7 +14,8 @@
 // is a wall. Three faces meet there: a, b, and that of the two neighbors. Each grows by the part of this along its
 // outward normal in its plane: those of t x n_a, n_b x t and t x (n_b - n_a).
 //
-// Lengths are in units of the cell: powers of two, near the distance of a neighbor. All numbers are float64: float32 loses the edges of narrow cells.
+// Lengths are in units of the cell: powers of two, near the distance of a neighbor. All numbers are float64: float32
+// loses the edges of narrow cells.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "clip/wall_distance.glsl"
