@@ -21,13 +21,14 @@ void put_numbers(ByteSink& out, const Vector3& vector) {
     for (const double x : vector) put_next(out, x);
 }
 
-// Writes d, a, b, c of the plane a x + b y + c z = d.
-void put_plane(ByteSink& out, const SharedMesh& mesh, std::size_t face, double sign) {
-    const FaceMeasure measure = measure_face(mesh, face);
-    const double area = length3(measure.area[0], measure.area[1], measure.area[2]);
-    Vector3 normal{};
-    for (std::size_t k = 0; k < 3; ++k) normal[k] = area > 0 ? sign * measure.area[k] / area + 0.0 : 0;  // + 0: no -0
-    put_next(out, dot(normal, measure.center));
+// Writes d, a, b, c of the plane a x + b y + c z = d. The face has the rounded corners of a cell: components within
+// their errors are 0, as those of a wall along an axis. place: on the plane.
+void put_plane(ByteSink& out, const FaceMeasure& face, const Vector3& place, double sign) {
+    constexpr double rounding = 0x1p-44;
+    Vector3 normal = face.area;
+    const double area = length3(normal[0], normal[1], normal[2]);
+    for (double& x : normal) x = std::abs(x) > rounding * area ? sign * x / area : 0;
+    put_next(out, dot(normal, place) + 0.0);  // + 0: no -0
     put_numbers(out, normal);
 }
 
@@ -172,7 +173,8 @@ void put_domain(const Mesh& given, const SharedMesh& mesh, const SharedEdges& ed
             put_next(out, normal[p / 2] * given.bounds[p % 2][p / 2] + 0.0);
             put_numbers(out, normal);
         } else {
-            put_plane(out, mesh, *std::ranges::max_element(faces, {}, area2), -1);
+            const std::size_t largest = *std::ranges::max_element(faces, {}, area2);
+            put_plane(out, measure_face(mesh, largest), mesh.vertex(mesh.polygon(largest)[0]), -1);
         }
         out.put("\n     " + label({p}) + "\n    ");
         put_list(out, faces);
@@ -237,7 +239,8 @@ void write_tess(const Mesh& given, ByteSink& out) {
         for (std::size_t c = 0; c < polygon.size(); ++c)
             put_next(out, edges.of_corners[static_cast<std::size_t>(mesh.offsets[f]) + c]);
         out.put("\n    ");
-        put_plane(out, mesh, f, 1);
+        const FaceMeasure measure = measure_face(mesh, f);
+        put_plane(out, measure, measure.center, 1);
         // The state of a face with moved vertices is 1: it need not be flat, and is that around its center.
         const bool moved =
             std::ranges::any_of(polygon, [&](std::int32_t v) { return mesh.moved[static_cast<std::size_t>(v)] != 0; });

@@ -535,6 +535,17 @@ class Tess(Folder):
         self.check(vt.tessellate(uniform(30), box=UNIT_BOX, weights=uniform(30)[:, 0] - 0.5, want=WANT))
         self.check(vt.tessellate(uniform(1), box=UNIT_BOX, want=WANT))
 
+    def test_walls_are_read_again(self):
+        """Planes of walls come from rounded corners: those along an axis must stay so."""
+        for seed in range(12):
+            points = np.random.default_rng(seed).random((3, 3))
+            t = vt.tessellate(points, box=UNIT_BOX, walls=[(1, 1, 1, 2.25)], outside="keep", want=WANT)
+            t.save(self.path("a.tess"))
+            frame, = vt.read_frames(self.path("a.tess"))
+            again = frame.tessellate(outside="keep", want="volumes")
+            held = np.flatnonzero(t.volumes > 0)
+            np.testing.assert_allclose(again.volumes, t.volumes[held], rtol=1e-9)
+
 
 class Stl(Folder):
     def test_solids(self):

@@ -687,7 +687,7 @@ static void check_stream(void) {
     CHECK(votess_tessellate(NULL, points, SEEDS, &options, &whole) == VOTESS_OK);
     struct stream user = {points, whole, 0, 0, 0, 0};
     votess_stream stream = {sizeof stream, 1, 1000000, NULL, restart, next, begin, rows, &user, 0, 0};
-    votess_stream_counts counts = {sizeof counts, 0, 0, 0, 0, 0, 0, 0, 0, ""};
+    votess_stream_counts counts = {sizeof counts, 0, 0, 0, 0, 0, 0, 0, 0, "", ""};
     votess_stats stats;
     stats.struct_size = sizeof stats;
     CHECK(votess_tessellate_stream(&stream, &options, &counts, &stats) == VOTESS_OK);
