@@ -159,7 +159,7 @@ class Want(unittest.TestCase):
         names = set(everything._data.arrays)
         self.assertLessEqual(names, set(typing.get_args(_c_api.WantName)))
         self.assertEqual(vt.tessellate(uniform(3), want="status").wanted, ())
-        with self.assertRaisesRegex(ValueError, "'face_area': give groups of neighbors.*face_areas"):
+        with self.assertRaisesRegex(ValueError, "'face_area': did you mean face_areas[?] Else give groups of neighbors"):
             vt.tessellate(uniform(3), want="face_area")
         with self.assertRaisesRegex(TypeError, "want has 3"):
             vt.tessellate(uniform(3), want=["volumes", 3])

@@ -187,6 +187,7 @@ def calls():
         "Tessellation.to_pyvista": (t.to_pyvista, {}),
         "Tessellation.view": (t.view, {}),
         "Tessellation.verify": (t.verify, {}),
+        "Pieces.mesh_quality": (in_mesh.pieces().mesh_quality, {}),
         "Pieces.save": (in_mesh.pieces().save, {"path": "p.obj"}),
         "Pieces.image": (in_mesh.pieces().image, {"size": (64, 64)}),
         "Network.image": (periodic.network().image, {"size": (64, 64)}),
