@@ -120,7 +120,8 @@ Groups groups(const Tessellation& t, std::span<const std::int64_t> labels) {
             place(next[index_of(other)]++, static_cast<std::int32_t>(g), contacts[c]);
         }
     out.volumes = sums(t.volumes(), group, out.size());
-    if (!areas.empty()) out.surface_areas = sums(t.surface_areas(), group, out.size());
+    // Without faces nothing lies within a group.
+    if (!areas.empty() || t.indices().empty()) out.surface_areas = sums(t.surface_areas(), group, out.size());
     for (std::size_t g = 0; g < out.surface_areas.size(); ++g) out.surface_areas[g] -= within[g];
     out.mesh_areas = sums(t.mesh_areas(), group, out.size());
     return out;

@@ -65,6 +65,8 @@ class GroupsTest(unittest.TestCase):
         np.testing.assert_allclose(g.surface_areas, [2 * (36 + 12 + 12), 2 * (36 + 24 + 24)], rtol=1e-12)
         whole = vt.tessellate(points, box=(0, 0, 0, 6, 6, 6), periodic=True, want=WANT).groups(np.zeros(216, int))
         self.assertEqual((len(whole.neighbors[0]), abs(whole.surface_areas[0]) < 1e-9), (0, True))
+        alone = vt.tessellate(uniform(1), box=UNIT_BOX, want=WANT).groups([3])
+        self.assertEqual(alone.surface_areas.tolist(), [6.0])
 
     def test_arrays_that_were_not_wanted(self):
         g = vt.tessellate(uniform(30)).groups(np.arange(30))
