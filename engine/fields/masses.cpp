@@ -10,6 +10,7 @@
 #include <memory>
 #include <tuple>
 
+#include "core/convex_polygon.hpp"
 #include "core/text.hpp"
 #include "fields/cell_polygons.hpp"
 #include "fields/slicer.hpp"
@@ -91,7 +92,6 @@ public:
         volume_ = 0;
         parts_.clear();
         place_.at = polygons_.at();
-        find_rounding();
         for (std::size_t entry = polygons_.begin(); entry < polygons_.end(); ++entry) add_face(entry);
         add_rows();
         finish(seed);
@@ -106,32 +106,8 @@ private:
         return value(cell);
     }
 
-    // Errors of corners are at most 2^-42 of the cell, and a unit in the last place of the vertex.
-    void find_rounding() {
-        double extent = 0, far = 0;
-        for (std::size_t entry = polygons_.begin(); entry < polygons_.end(); ++entry)
-            for (const Vector& corner : polygons_.polygon(entry))
-                for (const double x : corner) extent = std::max(extent, std::abs(x));
-        for (const double x : place_.at) far = std::max(far, std::abs(x));
-        rounding_ = 0x1p-40 * extent + 0x1p-50 * far;
-    }
-    // Returns the corners of a face. Those that differ along an axis by rounding alone are equal there. Or a plane of
-    // the grid that holds the face would cut it into parts that do not sum to it.
-    std::span<const Vector> corners_of(std::size_t entry) {
-        const std::span<const Vector> polygon = polygons_.polygon(entry);
-        corners_.assign(polygon.begin(), polygon.end());
-        for (std::size_t k = 0; k < 3 && !corners_.empty(); ++k) {
-            const auto [least, largest] = std::ranges::minmax(corners_, {}, [k](const Vector& x) { return x[k]; });
-            if (largest[k] - least[k] > rounding_) continue;
-            const double line = std::round(least[k] + place_.at[k]) - place_.at[k];
-            const double at = line - least[k] <= rounding_ && least[k] - line <= rounding_ ? line : least[k];
-            for (Vector& corner : corners_) corner[k] = at;
-        }
-        return corners_;
-    }
-
     void add_face(std::size_t entry) {
-        const std::span<const Vector> corners = corners_of(entry);
+        const std::span<const Vector> corners = polygons_.polygon(entry);
         const Vector area = area_of(corners);
         const bool has_mass = walls_ || t_.indices()[entry] >= 0;
         if (corners.size() < 3 || (!has_mass && area[0] == 0)) return;
@@ -155,12 +131,10 @@ private:
                 if (area[0] != 0) add_side(cell, from, to);
             });
         } else {
-            piece_.clear();
-            piece_.add_polygon(corners);
-            slicer_.slice(piece_, place_, window, [&](const Cell& cell, const ConvexPiece& part) {
-                const std::span<const Vector> polygon = part.polygon(0);
-                if (has_mass) add_share(cell, dot(area_of(polygon), area));
-                if (area[0] != 0) add_polygon(cell, polygon);
+            face_.corners.assign(corners.begin(), corners.end());
+            slicer_.slice(face_, place_, window, [&](const Cell& cell, const ConvexPolygon& part) {
+                if (has_mass) add_share(cell, dot(area_of(part.corners), area));
+                if (area[0] != 0) add_polygon(cell, part.corners);
             });
         }
         if (!has_mass) return;
@@ -348,15 +322,13 @@ private:
     bool walls_;
     Masses& out_;
     CellPolygons polygons_;
-    Slicer slicer_;
+    Slicer<ConvexPolygon> slicer_;
     Size size_;  // of a grid cell
     std::size_t dimensions_;
     bool flat_;
     std::array<Vector, 3> edges_{};  // of a grid cell, in space
     Place place_;
-    double rounding_ = 0;          // of corners
-    std::vector<Vector> corners_;  // of a face
-    ConvexPiece piece_;            // the same
+    ConvexPolygon face_;
     // The cell in the grid, relative to its first corner.
     double volume_ = 0;
     Moments moments_;

@@ -20,7 +20,7 @@ constexpr double min_filled = 1e-4, max_unevenness = 1e-13;
 // The state of a thread.
 struct Worker {
     std::unique_ptr<Carrier> carrier;
-    Slicer slicer;
+    Slicer<ConvexPiece> slicer;
     Body body;
     ConvexPiece copy;
 };
@@ -52,7 +52,8 @@ bool is_vague(const ConvexPiece& piece, double volume) {
 class Overlay {
 public:
     Overlay(const Frame& frame, ThreadPool& pool, const MakeCarrier& make_carrier) : frame_(frame), pool_(pool) {
-        for (unsigned w = 0; w < pool.size(); ++w) workers_.push_back({make_carrier(), Slicer(frame), {}, {}});
+        for (unsigned w = 0; w < pool.size(); ++w)
+            workers_.push_back({make_carrier(), Slicer<ConvexPiece>(frame), {}, {}});
         for (std::size_t k = 0; k < 3; ++k) tiles_[k] = frame.axis(k).tiles();
         all_tiles_ = static_cast<std::size_t>(tiles_[0] * tiles_[1] * tiles_[2]);
     }
