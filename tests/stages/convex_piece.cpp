@@ -1,10 +1,12 @@
-// Convex pieces: both sides of a cut add up, in general places and where rounding decides what lies on the plane.
+// Convex pieces and polygons: both sides of a cut add up, in general places and where rounding decides what lies on the
+// plane.
 #include "core/convex_piece.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
+#include "core/convex_polygon.hpp"
 #include "support/random.hpp"
 
 using votess::ConvexPiece;
@@ -108,6 +110,32 @@ TEST_SUITE("stages") {
                     check_sum(whole, above, below);
                     CHECK(std::abs((h > 0 ? above : below).volume()) < 1e-14);
                 }
+        }
+    }
+
+    TEST_CASE("convex polygon: parts add up, with any signs of corners near the plane") {
+        test::Random random(11);
+        const auto area_of = [](const votess::ConvexPolygon& polygon) {
+            double area = 0;
+            for (std::size_t c = 1; c + 1 < polygon.corners.size(); ++c) {
+                const Vector &o = polygon.corners[0], &a = polygon.corners[c], &b = polygon.corners[c + 1];
+                area += ((a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])) / 2;
+            }
+            return area;
+        };
+        for (int set = 0; set < 3000; ++set) {
+            votess::ConvexPolygon polygon, below;
+            const int count = 3 + set % 6;
+            for (int c = 0; c < count; ++c) {
+                const double angle = 2 * 3.141592653589793 * (c + random.uniform(0, 0.9)) / count;
+                const double height = 1e-16 * std::round(random.uniform(-1.5, 1.5));  // each sign, and 0
+                polygon.corners.push_back({std::cos(angle), std::sin(angle), height});
+            }
+            const double whole = area_of(polygon);
+            if (set % 2 == 0) polygon.split({random.uniform(-1, 1), random.uniform(-1, 1), 0}, 0.1, below);
+            const double beside = area_of(below);
+            polygon.split({0, 0, 1}, 0, below);
+            CHECK(std::abs(area_of(polygon) + area_of(below) + (set % 2 == 0 ? beside : 0) - whole) < 1e-14);
         }
     }
 }

@@ -7,7 +7,7 @@ from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
-from helpers import CELL, CUBE, UNIT_BOX, uniform
+from helpers import CELL, CUBE, UNIT_BOX, lattice, uniform
 from test_fit import clipped, cube, dot, measured, minus
 
 import pyvotess as vt
@@ -184,6 +184,22 @@ class Invariants(unittest.TestCase):
                     np.testing.assert_allclose(getattr(repeated, name), getattr(of, name), rtol=1e-9, atol=1e-14 * of.masses.max())
                 if "walls" not in domain:
                     self.assertAlmostEqual(of.masses.sum() / (values.mean() * t.volumes.sum()), 1, places=13)
+
+    def test_faces_in_planes_of_the_grid(self):
+        """Rounding then decides on which side corners lie. Boxes in which it does, and a grid with thrice the lines."""
+        for seed in range(60):
+            random = np.random.default_rng(seed)
+            size, count = random.choice([1.0, 1.3, 1.9, 1e3], 3), int(random.integers(1, 5))
+            points = (lattice(count) - random.choice([0, 0.25])) / count * size
+            points += random.choice([0, 1e-16, 1e-12]) * random.normal(size=points.shape) * size
+            points = points[random.random(len(points)) < 0.8] % size
+            t = vt.tessellate(points, box=(0, 0, 0, *size), periodic=bool(seed % 2), want="faces,volumes")
+            shape = random.choice([1, 2, 4, 5], 3)
+            np.testing.assert_allclose(t.masses(np.ones(shape)).masses, t.volumes, rtol=1e-9)
+            values = image(shape, seed)
+            finer = values.repeat(3, axis=0).repeat(3, axis=1).repeat(3, axis=2)
+            atol = 1e-9 * size.prod() / max(len(points), 1)
+            np.testing.assert_allclose(t.masses(values).masses, t.masses(finer).masses, rtol=0, atol=atol)
 
     def test_cost(self):
         points = uniform(50)
