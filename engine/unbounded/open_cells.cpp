@@ -49,9 +49,10 @@ void put(Buffer<T>& to, const std::vector<T>& from) {
 // The arrays of rows, as they grow.
 class NewRows {
 public:
-    explicit NewRows(const Result& like)
-        : areas_wanted_(!like.face_areas.empty()),
-          normals_wanted_(!like.face_normals.empty()),
+    // other: a result of the same arrays. Either may have no entries, and then no areas and normals.
+    explicit NewRows(const Result& like, const Result& other = {})
+        : areas_wanted_(!like.face_areas.empty() || !other.face_areas.empty()),
+          normals_wanted_(!like.face_normals.empty() || !other.face_normals.empty()),
           shifts_wanted_(like.periodic != std::array<bool, 3>{}),
           polygons_wanted_(!like.face_offsets.empty()),
           vertices_wanted_(!like.cell_vertex_indptr.empty()) {
@@ -376,7 +377,7 @@ Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t
                   std::span<const std::int32_t> names, const Region& domain) {
     const JoinedVertices vertices(near, far, rows, taken, names);
     const bool has_polygons = !near.face_offsets.empty();
-    NewRows joined(near);
+    NewRows joined(near, far);
     std::size_t next = 0;  // among the far rows
     std::uint64_t empty_cells = near.stats.empty_cells;
     for (std::size_t i = 0; i < near.status.size(); ++i) {

@@ -533,7 +533,7 @@ class Tessellation(SeedCells):
             return VerifyReport(False, str(error), ())
         seeds = (handle, points, len(points))
         report = verify(partial(watched, lib.votess_verify), *seeds, *drawn)
-        if self.planar or self.in_mesh or self.ids is not None:
+        if self.planar or self.in_mesh or self.ids is not None or len(self) < len(points):  # a subset may be empty
             return report
         tiny = ctypes.c_uint64()
         raise_on_failure(watched(lib.votess_count_tiny_faces, *seeds, tiny))

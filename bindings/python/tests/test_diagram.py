@@ -253,6 +253,13 @@ class Probing(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "weight 1 = nan"):
             vt.Diagram(points, box=UNIT_BOX, weights=np.zeros(5)).probe(points, weights=[0, np.nan, 0, 0, 0])
 
+    def test_areas_of_the_far_box_alone(self):
+        """The near box has no entries then."""
+        one = vt.Diagram([(0, 0, 0)], box="none", weights=[0.1])
+        cells = one.probe([(1, 0, 0)], want="neighbors,areas,normals", weights=[0.0])
+        self.assertEqual((cells.indices.tolist(), cells.face_areas.tolist()), ([0], [np.inf]))
+        np.testing.assert_allclose(cells.face_normals, [(-1, 0, 0)], atol=1e-15)
+
 
 
 class NaturalNeighbors(unittest.TestCase):

@@ -39,6 +39,7 @@ class Verify(unittest.TestCase):
         self.assertEqual([t.verify(sample=n).proven for n in (0, 7, 10**9)], [False] * 3)
         self.assertEqual((t.verify().proven, t.verify().unproven, t.verify().sampled), (True, "", 0))
         self.assertEqual(t.verify(sample=7).unproven, "a number of cells was given, which are sampled")
+        self.assertTrue(vt.tessellate(uniform(9), only=[]).verify().passed)
         with self.assertRaisesRegex(ValueError, "sample is -1"):
             t.verify(sample=-1)
         with self.assertRaisesRegex(ValueError, "rng_seed"):
