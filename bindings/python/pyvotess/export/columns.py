@@ -109,8 +109,9 @@ def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
             return np.asarray(columns[name], np.float64), labels.get(color, color)
         if name in ARRAYS or any(name in names for names in ARRAYS.values()):
             getattr(t, name)  # raises with the word for want, or the name of the array
+        axes = "'x', 'y'" if t.planar else "'x', 'y', 'z'"
         raise ValueError(
-            f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values; "
+            f"color is {color!r}: give 'volume', 'neighbors', 'area', {axes} or {len(t)} values; "
             f"columns are {', '.join(columns)}"
         )
     values = as_float64_or_float32(color, "color").astype(np.float64, copy=False)
