@@ -42,6 +42,10 @@ constexpr std::size_t simplices_per_stop = 4096;
     throw Error(ErrorCode::invalid_argument, "alpha_complex(): " + message);
 }
 
+[[noreturn]] void refuse_small(const std::string& text) {
+    refuse_alpha(text + ": the box is too small for these seeds, replicate it 2 or 3 times along each vector");
+}
+
 // Reserves memory, in huge pages where it is large.
 template <class T>
 void reserve_huge(std::vector<T>& v, std::size_t count) {
@@ -321,10 +325,7 @@ private:
         for (std::size_t k = 0; k < corners_of; ++k) {
             const bool twice = k > 0 && corners[k].seed == corners[k - 1].seed;
             if (twice && places_.is_added(corners[k].seed)) return;  // others have its faces that count
-            if (twice)
-                refuse_alpha("an edge joins seed " + std::to_string(corners[k].seed) +
-                             " to its own image: the box is too small for these seeds, replicate it 2 or 3 times "
-                             "along each vector");
+            if (twice) refuse_small("an edge joins seed " + std::to_string(corners[k].seed) + " to its own image");
             simplex.ids[k] = corners[k].seed;
             simplex.shifts[k] = sum(corners[k].shift, negative(corners[0].shift));
         }
@@ -383,6 +384,33 @@ private:
     const Places& places_;
     std::vector<Whole<D>> out_;
 };
+
+// Refuses edges between neighbors that have the same ends, or one seed as both. Cells of added seeds reach so far
+// around that such edges may be in none of the simplices. count: of seeds, without added ones.
+void check_edges(const Tessellation& t, std::size_t count, const Replicate& replicate) {
+    const auto same = [&](const auto& a, const auto& b) {  // the same copy
+        for (std::size_t k = 0; k < a.size(); ++k)
+            if ((a[k] - b[k]) % replicate[k] != 0) return false;
+        return true;
+    };
+    const std::size_t size = dimensions_of(t);  // numbers of a shift
+    const std::vector<std::int8_t> none(size);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i % simplices_per_stop == 0) check_stop();
+        const auto shift = [&](std::size_t e) { return t.shifts().subspan(size * e, size); };
+        for (auto e = at(t.indptr()[i]); e < at(t.indptr()[i + 1]); ++e) {
+            const std::int32_t j = t.indices()[e];
+            if (j < static_cast<std::int32_t>(i) || at(j) >= count) continue;
+            if (at(j) == i && same(shift(e), std::span(none)))
+                refuse_small("an edge joins seed " + std::to_string(i) + " to its own image");
+            for (auto next = e + 1; next < at(t.indptr()[i + 1]) && t.indices()[next] == j; ++next)
+                if (same(shift(e), shift(next)))
+                    refuse_small("two edges join " +
+                                 (at(j) == i ? "copies of seed " : "seeds " + std::to_string(i) + " and ") +
+                                 std::to_string(j));
+        }
+    }
+}
 
 // Returns the edges between seeds on one line, which are those between neighbors.
 std::vector<Whole<1>> edges_of_line(const Tessellation& t, const Places& places) {
@@ -517,8 +545,7 @@ template <std::size_t K>
 [[noreturn]] void refuse_double(const Simplex<K>& a, const Simplex<K>& b) {
     std::size_t k = 1;
     while (a.shifts[k] == b.shifts[k]) ++k;
-    refuse_alpha("two edges join seeds " + std::to_string(a.ids[0]) + " and " + std::to_string(a.ids[k]) +
-                 ": the box is too small for these seeds, replicate it 2 or 3 times along each vector");
+    refuse_small("two edges join seeds " + std::to_string(a.ids[0]) + " and " + std::to_string(a.ids[k]));
 }
 
 // Returns the faces of all simplices of a level, and takes its memory. expected: about their number.
@@ -764,6 +791,8 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
     const WholeDiagram diagram = whole_diagram(tessellation, points);
     const Places places(diagram.tessellation, diagram.points, diagram.added, tessellation, replicate);
     const std::size_t seeds = places.seeds() * places.copies();
+    if (is_periodic(tessellation) && diagram.added > 0)
+        check_edges(diagram.tessellation, diagram.tessellation.size() - diagram.added, replicate);
     AlphaComplex out;
     auto& [vertices, edges, triangles, tetrahedra] = out.simplices;
     const auto highest_level = [&]<std::size_t D>(std::integral_constant<std::size_t, D>, AlphaSimplices& simplices) {

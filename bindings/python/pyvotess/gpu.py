@@ -125,7 +125,7 @@ class FrameCells:
         It is :func:`pyvotess.autodiff.vjp` for frames; derivatives of ``volumes`` and ``face_areas`` are rounded to float32.
         Values are usually right to 1e-5 of the largest; narrow cells of clusters lose digits. Points without a cell have 0.
 
-        ValueError for unresolved cells, see ``resolve()``, and after another call of the same :class:`Frames`.
+        VotessError for unresolved cells, see ``resolve()``; ValueError after another call of the same :class:`Frames`.
 
         >>> gradients = cells.resolve().vjp(volumes=2 * cells.volumes)   # doctest: +SKIP
         """

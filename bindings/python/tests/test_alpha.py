@@ -172,6 +172,20 @@ class AlphaComplex(unittest.TestCase):
         count = [len(simplices) for simplices in a.simplices]
         self.assertEqual(count, [9 * 14, 9 * 3 * 14, 9 * 2 * 14, 0])
 
+    def test_double_edges_on_a_periodic_line(self):
+        """Added points span space there, and may hide an edge."""
+        options = dict(box=(0, 0, 0, 64, 10, 10), periodic="x", want="faces")
+        pair = vt.tessellate([(10, 5, 5), (19, 5, 5)], **options)
+        one = vt.tessellate([(10, 5, 5)], **options)
+        for t, replicate, message in (
+            (pair, 1, "two edges join seeds 0 and 1"), (one, 1, "an edge joins seed 0 to its own image"),
+            (one, (2, 1, 1), "two edges join copies of seed 0"),
+        ):  # fmt: skip
+            with self.assertRaisesRegex(ValueError, message):
+                t.alpha_complex(replicate=replicate)
+        self.assertEqual(sorted(pair.alpha_complex(replicate=(2, 1, 1)).values[1]), [20.25, 20.25, 756.25, 756.25])
+        self.assertEqual(one.alpha_complex(replicate=(3, 1, 1)).values[1].tolist(), [1024.0] * 3)
+
     def test_bad_input(self):
         small = vt.tessellate(uniform(12), box=UNIT_BOX, periodic=True)
         with self.assertRaisesRegex(ValueError, "two edges join seeds .* replicate it 2 or 3 times"):
