@@ -407,7 +407,7 @@ class FramesOfHdf5(CliTest):
                 f'{len(kept[k])}\nLattice="{" ".join(map(repr, edges[row_of[k]].ravel().tolist()))}" '
                 f'pbc="{" ".join("T" if axis else "F" for axis in axes[k])}" step={steps[k]} '
                 f"Properties={'id:I:1' if ids else 'n:I:1'}:pos:R:3:mass:R:1\n"
-                + "".join(f"{i} {' '.join(map(repr, places[k][i].tolist()))} {mass[k][i]!r}\n" for i in kept[k]) for k in range(frames)))
+                + "".join(f"{i} {' '.join(map(repr, places[k][i].tolist()))} {float(mass[k][i])!r}\n" for i in kept[k]) for k in range(frames)))
             options = ["--frames", "all", "--copy", "mass", "--list-walls", "--format", "%i %q %v %n"]
             self.assertEqual(self.rows(name, *options), self.rows("t.xyz", *options))
 
