@@ -39,10 +39,15 @@ exact::Point middle_of(const Box& box) {
     return middle;
 }
 
+// Rounds once where the volume is subnormal, as the sum of volumes of cells does.
 double volume_of(const Box& box) {
-    double volume = 1;
-    for (int k = 0; k < 3; ++k) volume *= box.upper[k] - box.lower[k];
-    return volume;
+    double mantissa = 1;
+    int exponent = 0, own = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        mantissa *= std::frexp(box.upper[k] - box.lower[k], &own);
+        exponent += own;
+    }
+    return std::ldexp(mantissa, exponent);
 }
 
 double largest_number(const TriclinicBox& cell) {
