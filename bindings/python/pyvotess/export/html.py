@@ -170,7 +170,8 @@ def html_of_pieces(pieces: Any) -> str:
         counts = np.diff(pieces.triangle_offsets)
         triangles = pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], counts)[:, None]
         a, b, c = np.moveaxis(_seen(pieces.vertices)[triangles], 1, 0)
-        turn = np.cross((b - a)[:, :2], (c - a)[:, :2])
+        one, two = b - a, c - a
+        turn = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
         front = np.flatnonzero(turn < 0)  # y goes down
         if not 0 < len(front) <= _MAX_POLYGONS:
             return ""

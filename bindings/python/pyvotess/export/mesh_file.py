@@ -43,6 +43,8 @@ def write_by(call: Callable[[Any], int], path: str, folder: str = "") -> None:
         with Callbacks() as callbacks:
             status = watched(call, callbacks.guarded(_c_api.WriteCallback, write, 0))
         raise_on_failure(status)
+        for file in files.values():  # an error of the last bytes comes before any file appears
+            file.flush()
 
 
 def _arrays_of(t: SeedCells) -> Dict[str, Any]:
