@@ -167,10 +167,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
         if (!kind) {
             throw bad_input("cannot write " + in_quotes(path) +
                             ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb .stl .foam .tess "
-                            ".msh, with --mesh "
-                            ".3mf and .geojson, "
-                            "and text on stdout "
-                            "as -");
+                            ".msh, with --mesh .3mf and .geojson, and text on stdout as -");
         }
         if (kind->write == write_hdf5) check_hdf5(path);
     }

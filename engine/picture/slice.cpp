@@ -192,12 +192,8 @@ Area build_slice(const SliceJob& job, const Sizes& sizes, ThreadPool& pool, Scen
             met[i] = blocks[block].size() > before;
         }
     });
-    for (std::size_t block = 0; block < blocks.size(); ++block) {
-        scene.flat.insert(scene.flat.end(), blocks[block].begin(), blocks[block].end());
-        scene.strokes.insert(scene.strokes.end(), edges[block].begin(), edges[block].end());
-        blocks[block] = {};
-        edges[block] = {};
-    }
+    append(blocks, scene.flat);
+    append(edges, scene.strokes);
     remove_repeats(scene.strokes);
     if (job.options.seeds) add_seeds(job, plane, slice, met, 4 * sizes.unit, scene.strokes);
     if (job.options.frame) {

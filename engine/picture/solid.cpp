@@ -333,12 +333,8 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
         for (std::size_t i = begin; i < end; ++i)
             if (kept[i]) builder.add_cell(i, blocks[block], lines[block]);
     });
-    for (std::size_t block = 0; block < blocks.size(); ++block) {
-        scene.solid.insert(scene.solid.end(), blocks[block].begin(), blocks[block].end());
-        scene.strokes.insert(scene.strokes.end(), lines[block].begin(), lines[block].end());
-        blocks[block] = {};
-        lines[block] = {};
-    }
+    append(blocks, scene.solid);
+    append(lines, scene.strokes);
     remove_repeats(scene.strokes);
     scene.occlusion_radius = 0.16;
     if (!corners.empty()) add_frame(view, frame, corners, opening, 1.4 * scene.edge_width, scene.strokes);

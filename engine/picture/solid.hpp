@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "picture/mesh.hpp"
 #include "picture/shown.hpp"
@@ -36,6 +37,14 @@ inline constexpr Color line_color = rgb(45, 45, 55);
 // Returns the width for a piece that reaches so many pixels from its middle: lines fade where pieces are as small as
 // they. line: the full width.
 [[nodiscard]] double line_width(double size, double line);
+// Appends lists that blocks of cells made, and frees them.
+template <class T>
+void append(std::vector<std::vector<T>>& blocks, std::vector<T>& to) {
+    for (std::vector<T>& block : blocks) {
+        to.insert(to.end(), block.begin(), block.end());
+        block = {};
+    }
+}
 // Leaves one of the lines that two pieces share.
 void remove_repeats(std::vector<Stroke>& lines);
 

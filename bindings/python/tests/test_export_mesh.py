@@ -25,7 +25,7 @@ class FullDisk(Folder):
         with open(self.path("kept.obj"), "w") as file:
             file.write("before")
         code = """if True:
-            import resource, signal, sys
+            import resource, signal
             import numpy as np
             import pyvotess as vt
             t = vt.tessellate(np.random.default_rng(1).random((300, 3)), box=[(0, 0, 0), (1, 1, 1)], want="faces,volumes")

@@ -92,8 +92,9 @@ void HostFrames::vjp(const detail::FrameVectors& given, double* by_points, doubl
     };
     const std::vector<double> widened(rows.centroids32.begin(), rows.centroids32.end());
     const vulkan::Buffer slopes = memory_.buffer(count_ * Gradients::slope_bytes, vulkan::MemoryKind::device, "slopes");
-    const std::size_t most = plan_.options().most_seeds;
-    const vulkan::Buffer gradient = memory_.buffer(4 * most * sizeof(double), vulkan::MemoryKind::download, "gradient");
+    const std::size_t capacity = plan_.options().most_seeds;
+    const vulkan::Buffer gradient =
+        memory_.buffer(4 * capacity * sizeof(double), vulkan::MemoryKind::download, "gradient");
     const GradientArrays arrays{
         .points = seeds_,
         .status = upload(rows.status, "status"),
@@ -135,7 +136,7 @@ void HostFrames::vjp(const detail::FrameVectors& given, double* by_points, doubl
                         " entries in its row: no gradient on this device, use tessellate() and its derivatives");
     }
     std::ranges::copy(found.first(3 * count_), by_points);
-    std::ranges::copy(found.subspan(3 * most, count_), by_weights);
+    std::ranges::copy(found.subspan(3 * capacity, count_), by_weights);
 }
 
 }  // namespace votess::gpu
