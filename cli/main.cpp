@@ -19,6 +19,7 @@
 #include "run/run.hpp"
 #include "stream/stream.hpp"
 #include "summary.hpp"
+#include "surface/surface_run.hpp"
 #include "words.hpp"
 
 namespace clvotess {
@@ -116,6 +117,8 @@ int main_inside(int count, const char* const* values) {
                 print_devices();
         } else if (!arguments.query.empty()) {
             print(run_query(arguments));
+        } else if (!arguments.surface_file.empty()) {
+            print(run_on_surface(arguments));
         } else {
             return run(arguments);
         }

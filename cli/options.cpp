@@ -32,10 +32,12 @@ POSCAR CONTCAR .vasp  of VASP
 .ply            element vertex: x y z, id
 NAME, -         text without an extension; on stdin
 Any text may be packed: .xyz.gz, .dump.gz, ...)",
-         {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR, .tess; - stdin"}},
+         {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR, .tess; - stdin", .on_surface = true}},
         {"--dataset NAME", R"(dataset of .h5, or its group such as PartType1, or array of .npz; default:
-the only one that fits. Velocities and forces do not)"},
-        {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5, from 0; default: the first)"},
+the only one that fits. Velocities and forces do not)",
+         {.on_surface = true}},
+        {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5, from 0; default: the first)",
+         {.on_surface = true}},
         {"--frames all|last|a:b:c",
          R"(all frames, the last, or frames a to b - 1 in steps of c, in one pass. The
 output holds one after the other: .h5 has a group frame_NUMBER for each,
@@ -52,13 +54,14 @@ domain of each frame to stdout, in the form that vt.read_frames reads)",
          R"(the columns of the coordinates, by names of a header line such as
 "Points:0,Points:1,Points:2" or "x [Mpc],y [Mpc],z [Mpc]", or by numbers
 from 1. Of rows of text, .npz (arrays), .ply and LAMMPS dumps. Two names
-mean --2d)"},
+mean --2d)",
+         {.on_surface = true}},
         {"--random N",
          R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT;
 with --2d in the unit square, with --mesh inside of the mesh. The domain is
 that box unless --box is given)",
-         {.brief = "N uniform points in the unit box instead of INPUT"}},
-        {"--rng-seed S", R"(start of the random numbers; default 1. The same on every machine)", {.with = "--random"}},
+         {.brief = "N uniform points in the unit box instead of INPUT", .on_surface = true}},
+        {"--rng-seed S", R"(start of the random numbers; default 1. The same on every machine)", {.with = "--random|--remesh", .on_surface = true}},
         {"", "domain"},
         {"--2d",
          R"(two dimensions: the cells are polygons. Input are rows `x y` or `id x y`,
@@ -133,13 +136,38 @@ surface of the mesh stays)",
          {.with = "--mesh"}},
         {"--mesh-repair merge",
          R"(make vertices of the mesh at equal places one, as for .stl and .glb)",
-         {.with = "--mesh"}},
+         {.with = "--mesh|--surface", .on_surface = true}},
         {"--mesh-tolerance SHARE",
          R"(with --mesh-repair merge, .stl or .glb: make vertices one that are at most
 this far apart, as a share of the longest side of the mesh's bounds; 1e-9
 closes meshes whose corners differ by rounding. At most 0.01. The summary
 says how many vertices moved, and how far)",
-         {.with = "--mesh"}},
+         {.with = "--mesh|--surface", .on_surface = true}},
+        {"--surface FILE",
+         R"(cells on a surface instead: the part of each cell on the triangles of FILE,
+a mesh as for --mesh that need be neither closed nor oriented alike. Cells
+are those of all space; INPUT may be --random N, N places on the surface.
+Into .csv (area, perimeter, border, neighbors, pieces, Euler's
+characteristic and centroid of each part), .npz and .h5 (every array of
+SurfaceCells in Python), and the dual into .obj, .ply, .off and .stl: a
+triangle where three cells meet. --json counts faults: cells at which the
+dual may differ from the surface. Goes with --weights, --radii,
+--mesh-repair, --mesh-tolerance and --threads)",
+         {.brief = "cells on a triangle surface; --remesh N makes even triangles of it",
+          .needs = Needs::all_cells,
+          .solid = true,
+          .on_surface = true}},
+        {"--remesh N",
+         R"(a mesh of even triangles with N vertices for the surface, about 2 N
+triangles, without INPUT. More where parts of the surface are thinner than
+its triangles. Borders and sharp edges are kept. Into .obj, .ply, .off,
+.stl, .npz and .h5. The summary has the smallest angle and the distance
+between the meshes)",
+         {.needs = Needs::all_cells, .with = "--surface", .on_surface = true}},
+        {"--sharp DEGREES",
+         R"(an edge is sharp if the surface turns there by more; default 40. 180: keep
+borders alone)",
+         {.needs = Needs::all_cells, .with = "--remesh", .on_surface = true}},
         {"--outside error|drop|keep",
          R"(points outside the domain: an error; or dropped, which leaves an empty cell
 with the status `outside`; or kept, which gives each the part of its cell
@@ -160,14 +188,15 @@ stay symmetric. 0 drops none)",
         {"--min-area AREA",
          R"(drop faces below this area, as --min-face does; the larger limit counts)",
          {.member = Number(&Options::min_area), .unit = "length unit squared", .needs = Needs::all_cells}},
-        {"--weights COL", R"(power diagram: COL holds the weights)"},
+        {"--weights COL", R"(power diagram: COL holds the weights)",
+         {.on_surface = true}},
         {"--radii COL",
          R"(power diagram: COL holds radii, whose squares are the weights. COL is the
 number of a column from 1, or a name: of .csv with a line of names, LAMMPS,
 .ply, an array or dataset of N numbers; for atom style sphere
 also `radius`. covalent: radii in angstrom of the elements that the file
 names (Cordero and others 2008, doi:10.1039/b801115j))",
-         {.brief = "power diagram: a column of the input holds radii (--weights: their squares)"}},
+         {.brief = "power diagram: a column of the input holds radii (--weights: their squares)", .on_surface = true}},
         {"--volumes COL",
          R"(power diagram in which each cell has the volume that COL holds, in two
 dimensions the area. The weights are found by damped Newton steps and
@@ -250,7 +279,7 @@ get an empty one, or the input is refused)",
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",
-         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, -", .repeats = true}},
+         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, -", .repeats = true, .on_surface = true}},
         {"--format FMT",
          R"(a row of text, with the codes of Voro++; default "%i %n"
   %i  id: that of the input, else the index from 0
@@ -287,8 +316,10 @@ Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add --list-walls)",
          R"(list walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax
 of the box, or the faces of a cell across a, b and c; -7, -8, ... = walls)",
          {.member = Flag(&Options::list_walls), .needs = Needs::cells}},
-        {"--json", R"(print the summary as one JSON object)"},
-        {"-q, --quiet", R"(print neither summary nor progress)"},
+        {"--json", R"(print the summary as one JSON object)",
+         {.on_surface = true}},
+        {"-q, --quiet", R"(print neither summary nor progress)",
+         {.on_surface = true}},
         {"", "picture"},
         {"--image FILE.png",
          R"(a picture of the cells, cut open, drawn on the CPU. Cells at the walls that
@@ -418,7 +449,7 @@ is written and the exit code is 3)",
         {"", "tuning: changes speed and memory, never the answer"},
         {"-t, --threads N",
          R"(CPU threads, an error if the system gives fewer; 0 = all that it gives)",
-         {.member = Count(&Options::threads), .max = 1024}},
+         {.member = Count(&Options::threads), .max = 1024, .on_surface = true}},
         {"-g, --grid-resolution N",
          R"(blocks along an axis of the sorting grid; 0 = automatic)",
          {.member = Count(&Options::grid_resolution), .max = 1048576}},

@@ -39,6 +39,7 @@ struct Traits {
     std::string_view with = {};  // an option that must be there too, or some to choose from with | between
     bool repeats = false;        // may be given several times
     bool solid = false;          // needs three dimensions
+    bool on_surface = false;     // goes with --surface
 };
 
 struct Option {

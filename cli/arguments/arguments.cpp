@@ -17,18 +17,11 @@
 #include "run/frames.hpp"
 #include "run/run.hpp"
 #include "stream/stream.hpp"
+#include "surface/surface_run.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
 namespace {
-
-// Reads a count, also in the form 1e6.
-std::uint64_t read_random_count(const std::string& text) {
-    constexpr std::uint64_t max = std::numeric_limits<std::int32_t>::max();
-    const auto number = read_double(text);
-    const bool whole = number && *number >= 0 && *number <= static_cast<double>(max) && *number == std::floor(*number);
-    return whole ? static_cast<std::uint64_t>(*number) : whole_number("--random", text, max);
-}
 
 double read_number(const std::string& option, const std::string& text, std::string_view field) {
     const auto number = read_double(field);
@@ -192,6 +185,7 @@ void read_domain(const Typed& typed, Arguments& arguments) {
     }
     if (const std::string* gap = typed.value("--gap")) arguments.gap = read_numbers<1>("--gap", *gap)[0];
     if (const std::string* level = typed.value("--merge")) arguments.merge = read_numbers<1>("--merge", *level)[0];
+    if (const std::string* angle = typed.value("--sharp")) arguments.sharp = read_numbers<1>("--sharp", *angle)[0];
     if (const std::string* edge = typed.value("--min-edge"))
         arguments.min_edge = read_numbers<1>("--min-edge", *edge)[0];
     if (arguments.min_edge < 0) throw bad_input("--min-edge is negative: give a length from 0 on");
@@ -229,7 +223,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
     const std::string* input = typed.value("INPUT");
     const std::string* random = typed.value("--random");
     if (input && random) throw bad_input("give either INPUT or --random N, not both");
-    if (!input && !random) throw bad_input("there is no input: give INPUT or --random N, see clvotess --help");
+    if (!input && !random && !typed.has("--remesh")) throw bad_input("there is no input: give INPUT or --random N, see clvotess --help");
     if (input && input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
     if (input) arguments.input = *input;
     if (random && (typed.has("--dataset") || typed.has("--frame") || typed.has("--frames")))
@@ -293,9 +287,10 @@ void read_source(const Typed& typed, Arguments& arguments) {
     if (const std::string* frames = typed.value("--frames")) arguments.frames = read_frame_range(*frames);
     if (const std::string* frame = typed.value("--frame")) arguments.read.frame = whole_number("--frame", *frame, max);
     if (random) {
-        arguments.random_count = read_random_count(*random);
+        arguments.random_count = read_random_count("--random", *random);
         const double height = arguments.read.dimensions == Dimensions::two ? 0 : 1;
-        if (!typed.has("--mesh")) arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, height}};
+        if (!typed.has("--mesh") && !typed.has("--surface"))
+            arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, height}};
     }
     if (const std::string* seed = typed.value("--rng-seed"))
         arguments.rng_seed = whole_number("--rng-seed", *seed, max);
@@ -467,6 +462,13 @@ std::string answer_to(const Typed& typed) {
 
 }  // namespace
 
+std::uint64_t read_random_count(const std::string& option, const std::string& text) {
+    constexpr std::uint64_t max = std::numeric_limits<std::int32_t>::max();
+    const auto number = read_double(text);
+    const bool whole = number && *number >= 0 && *number <= static_cast<double>(max) && *number == std::floor(*number);
+    return whole ? static_cast<std::uint64_t>(*number) : whole_number(option, text, max);
+}
+
 const Option* Arguments::find_needing(std::initializer_list<Needs> needs,
                                       const std::vector<std::string>& except) const {
     for (const Option* option : given)
@@ -507,6 +509,7 @@ Arguments read_arguments(int count, const char* const* values) {
     });
     const std::string& query = arguments.query = query_of(typed);
     if (!query.empty()) refuse_options_of_cells(arguments, query);
+    if (typed.has("--surface")) refuse_beside_surface(arguments);
     check_companions(typed, arguments);
     votess::Options& options = arguments.options;
     typed.read_members(options);
@@ -514,6 +517,10 @@ Arguments read_arguments(int count, const char* const* values) {
     read_dimensions(typed, arguments);
     read_source(typed, arguments);
     read_domain(typed, arguments);
+    if (typed.has("--surface")) {
+        read_surface_options(typed, arguments);
+        return arguments;
+    }
     if (arguments.json && std::ranges::count(arguments.outputs, "-") > 0)
         throw bad_input("-o - and --json both write to stdout: give -o a file");
     read_memory(typed, arguments);

@@ -28,6 +28,9 @@ struct Arguments {
     bool hull = false;                 // --box hull
     std::string mesh_file;             // --mesh
     Surface mesh;                      // once load_mesh() has read it
+    std::string surface_file;          // --surface
+    std::optional<std::uint64_t> remesh;  // --remesh
+    double sharp = 40;                    // --sharp
     double gap = 0;                    // --gap
     double min_edge = 0;               // --min-edge
     bool skip_open = false;            // --open skip
@@ -81,6 +84,9 @@ struct Arguments {
 
 // Throws Failure with exit_code::bad_input. Checks nothing else when `answer` is set.
 [[nodiscard]] Arguments read_arguments(int count, const char* const* values);
+
+// Reads a count of points, also in the form 1e6. Throws Failure.
+[[nodiscard]] std::uint64_t read_random_count(const std::string& option, const std::string& text);
 
 // Reads the file of --mesh, if that is given, into the options. Throws Failure.
 void load_mesh(Arguments& arguments);

@@ -285,4 +285,12 @@ void write_grid_hdf5(OutputFile& file, const GridOutput& grid) {
     writer.finish();
 }
 
+void write_arrays_hdf5(OutputFile& file, std::span<const ResultArray> arrays) {
+    begin_hdf5();
+    Hdf5Writer writer(file);
+    for (const ResultArray& array : arrays) writer.add(array);
+    writer.add_attribute("version", std::string(VOTESS_VERSION_STRING));
+    writer.finish();
+}
+
 }  // namespace clvotess

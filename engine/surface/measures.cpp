@@ -6,44 +6,12 @@
 #include <numeric>
 
 #include "core/sum.hpp"
+#include "surface/nearest.hpp"
 
 namespace votess::surface {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-Vector3 along(const Vector3& from, const Vector3& way, double share) {
-    return {from[0] + share * way[0], from[1] + share * way[1], from[2] + share * way[2]};
-}
-
-double distance(const Vector3& a, const Vector3& b) {
-    const Vector3 d = minus(a, b);
-    return length3(d[0], d[1], d[2]);
-}
-
-// Returns the place of the segment from a to b nearest to x.
-Vector3 nearest_on_segment(const Vector3& x, const Vector3& a, const Vector3& b) {
-    const Vector3 way = minus(b, a);
-    const double square = dot(way, way);
-    return square > 0 ? along(a, way, std::clamp(dot(minus(x, a), way) / square, 0.0, 1.0)) : a;
-}
-
-// Returns the place of a triangle nearest to x.
-Vector3 nearest_on_triangle(const Vector3& x, const Vector3& a, const Vector3& b, const Vector3& c) {
-    const Vector3 n = cross(minus(b, a), minus(c, a));
-    const double square = dot(n, n);
-    if (square > 0) {
-        const Vector3 foot = along(x, n, -dot(minus(x, a), n) / square);
-        const auto is_inside = [&](const Vector3& u, const Vector3& v) {
-            return dot(cross(minus(v, u), minus(foot, u)), n) >= 0;
-        };
-        if (is_inside(a, b) && is_inside(b, c) && is_inside(c, a)) return foot;
-    }
-    Vector3 best = nearest_on_segment(x, a, b);
-    for (const Vector3& place : {nearest_on_segment(x, b, c), nearest_on_segment(x, c, a)})
-        if (distance(place, x) < distance(best, x)) best = place;
-    return best;
-}
 
 }  // namespace
 
@@ -176,7 +144,12 @@ void CellOnSurface::find_pieces(std::span<const std::size_t> own) {
     euler =
         static_cast<std::int32_t>(vertices) - static_cast<std::int32_t>(edges) + static_cast<std::int32_t>(own.size());
     pieces = 0;
-    for (std::size_t i = 0; i < own.size(); ++i) pieces += joined_[i] == i ? 1 : 0;
+    part_pieces.assign(own.size(), -1);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+        std::int32_t& of_root = part_pieces[root(i)];
+        if (of_root < 0) of_root = pieces++;
+        part_pieces[i] = of_root;
+    }
 }
 
 // Sums sides by the seed beyond them. Sides that end at one crossing with an edge of the surface belong to one curve.

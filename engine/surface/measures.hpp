@@ -29,6 +29,7 @@ public:
     std::int32_t pieces, euler;
     std::vector<Shared> row;         // ascending
     std::vector<double> part_areas;  // of each part
+    std::vector<std::int32_t> part_pieces;  // of each part, from 0 in the order of their first part
 
 private:
     // A side on a bisector: the seed beyond it, its part, and its corners.

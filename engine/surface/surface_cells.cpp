@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "core/arithmetic.hpp"
@@ -52,6 +51,7 @@ private:
         out_.pieces.resize(count);
         out_.euler.resize(count);
         areas_.resize(parts_.size());
+        pieces_.resize(parts_.size());
         std::vector<std::unique_ptr<CellOnSurface>> cells(pool_.size());
         std::vector<std::vector<CellOnSurface::Shared>> rows(ceil_div(count, cells_per_task));
         out_.indptr.assign(count + 1, 0);
@@ -74,10 +74,18 @@ private:
                 out_.euler[i] = cell.euler;
                 out_.indptr[i + 1] = static_cast<std::int64_t>(cell.row.size());
                 rows[index].insert(rows[index].end(), cell.row.begin(), cell.row.end());
-                for (std::size_t k = 0; k < own.size(); ++k) areas_[own[k]] = cell.part_areas[k] * unscale * unscale;
+                for (std::size_t k = 0; k < own.size(); ++k) {
+                    areas_[own[k]] = cell.part_areas[k] * unscale * unscale;
+                    pieces_[own[k]] = cell.part_pieces[k];
+                }
             }
         });
         std::partial_sum(out_.indptr.begin(), out_.indptr.end(), out_.indptr.begin());
+        std::int32_t before = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) pieces_[by_seed_[k]] += before;
+            before += out_.pieces[i];
+        }
         for (const auto& row : rows)
             for (const CellOnSurface::Shared& shared : row) {
                 out_.indices.push_back(shared.seed);
@@ -95,6 +103,7 @@ private:
             out_.polygon_triangles.push_back(parts_.triangles[p]);
             out_.polygon_seeds.push_back(parts_.seeds[p]);
             out_.polygon_areas.push_back(areas_[p]);
+            out_.polygon_pieces.push_back(pieces_[p]);
             for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
                 if (parts_.without_length[c] != 0) continue;
                 out_.corners.push_back(parts_.corners[c]);
@@ -136,31 +145,43 @@ private:
     }
 
     // Three cells meet at a corner inside of a triangle; around it, a part's seed precedes the one beyond the side
-    // before the corner.
-    void make_dual() {
-        struct Meeting {
-            std::array<std::int32_t, 3> sorted;
-            std::size_t order;
-            std::array<std::int32_t, 3> turning;
-        };
-        std::vector<Meeting> meetings;
+    // before the corner. Calls use(seeds, pieces) for each such corner.
+    template <class Use>
+    void each_meeting(const Use& use) const {
         for (std::size_t p = 0; p < parts_.size(); ++p)
             for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
                 const Side in = parts_.before(p, c), out = parts_.sides[c];
-                const std::int32_t seed = parts_.seeds[p];
+                const std::int32_t seed = parts_.seeds[p], triangle = parts_.triangles[p];
                 if (seed < in && seed < out)
-                    meetings.push_back(
-                        {{seed, std::min(in, out), std::max(in, out)}, meetings.size(), {seed, in, out}});
+                    use(std::array{seed, in, out},
+                        std::array{pieces_[p], pieces_[parts_.find(triangle, in)], pieces_[parts_.find(triangle, out)]});
             }
+    }
+
+    void make_dual() {
+        std::vector<Corners> cells, pieces;
+        each_meeting([&](const Corners& of_cells, const Corners& of_pieces) {
+            cells.push_back(of_cells);
+            pieces.push_back(of_pieces);
+        });
+        count_alike(std::move(cells), out_.dual, out_.dual_counts);
+        count_alike(std::move(pieces), out_.piece_dual, out_.piece_dual_counts);
+    }
+
+    using Corners = std::array<std::int32_t, 3>;  // the lowest first
+    // Lists triangles, each once in its first direction, ascending by their sorted corners.
+    static void count_alike(std::vector<Corners> triangles, std::vector<std::int32_t>& dual,
+                            std::vector<std::int32_t>& counts) {
+        const auto sorted = [](const Corners& c) { return Corners{c[0], std::min(c[1], c[2]), std::max(c[1], c[2])}; };
         check_stop();
-        std::ranges::sort(meetings, {}, [](const Meeting& m) { return std::tie(m.sorted, m.order); });
-        for (std::size_t k = 0; k < meetings.size(); ++k) {
-            if (k > 0 && meetings[k].sorted == meetings[k - 1].sorted) {
-                ++out_.dual_counts.back();
+        std::ranges::stable_sort(triangles, {}, sorted);
+        for (std::size_t k = 0; k < triangles.size(); ++k) {
+            if (k > 0 && sorted(triangles[k]) == sorted(triangles[k - 1])) {
+                ++counts.back();
                 continue;
             }
-            out_.dual.insert(out_.dual.end(), meetings[k].turning.begin(), meetings[k].turning.end());
-            out_.dual_counts.push_back(1);
+            dual.insert(dual.end(), triangles[k].begin(), triangles[k].end());
+            counts.push_back(1);
         }
     }
 
@@ -170,6 +191,7 @@ private:
     SurfaceCells out_;
     std::vector<std::size_t> begin_, by_seed_;  // parts of each seed
     std::vector<double> areas_;                 // by part
+    std::vector<std::int32_t> pieces_;          // by part, numbered over all cells
 };
 
 }  // namespace

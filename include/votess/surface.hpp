@@ -4,6 +4,7 @@
 //     const votess::SurfaceCells cells = votess::surface_cells(points, {vertices, triangles});
 //     cells.areas[i]                    // of the part of cell i
 //     cells.dual                        // triangles of seeds
+//     votess::remesh({vertices, triangles}, 5000).triangles  // about 10,000 well-shaped ones
 //
 // Cells are those of all seeds in whole space, or power cells with weights. Signs are exact, so that the parts tile the
 // surface. A place as near to several seeds belongs to the one of lowest index: its weight counts as larger by less
@@ -45,6 +46,7 @@ struct VOTESS_API SurfaceCells {
     std::vector<std::int32_t> polygon_triangles;  // P
     std::vector<std::int32_t> polygon_seeds;      // P
     std::vector<double> polygon_areas;            // P
+    std::vector<std::int32_t> polygon_pieces;     // P: the connected part, numbered over all cells in their order
     std::vector<std::int64_t> polygon_offsets;    // P+1: offsets into the next two
     std::vector<std::int32_t> corners;            // vertices
     // The side from each corner: the seed beyond it, or -1 - k on the triangle's edge from its corner k.
@@ -54,6 +56,10 @@ struct VOTESS_API SurfaceCells {
     // first meet on it.
     std::vector<std::int32_t> dual;         // 3 times their number: seeds, the lowest first
     std::vector<std::int32_t> dual_counts;  // places where these cells meet
+    // The same with each connected part as a vertex of its own, by the numbers of polygon_pieces. Where cells lie on both
+    // sides of a thin plate, the dual has both sides too.
+    std::vector<std::int32_t> piece_dual;
+    std::vector<std::int32_t> piece_dual_counts;
 
     [[nodiscard]] std::size_t size() const noexcept { return areas.size(); }  // N
     // Returns the seeds at which the dual may differ from the surface (Edelsbrunner, Shah: Triangulating topological
@@ -67,5 +73,71 @@ struct VOTESS_API SurfaceCells {
 // that are not finite, no points, and a surface without area; and Error as tessellate() does.
 [[nodiscard]] VOTESS_API SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& surface,
                                                     const SurfaceOptions& options = {});
+
+struct SurfaceLloydOptions {
+    unsigned steps = 100;                      // the maximum
+    std::span<const std::uint8_t> fixed = {};  // N, 1 for a seed that does not move; empty: all move
+    double tolerance = 0;  // stop when no seed moved farther, in units of the square root of the mean area of a cell
+    unsigned threads = 0;  // as Options::threads
+    ProgressCallback progress = {};  // as Options::progress
+};
+
+// The outcome of S steps. S is smaller than requested if the tolerance was reached.
+struct VOTESS_API SurfaceRelaxation {
+    std::vector<double> points;    // 3N, on the surface
+    std::vector<double> energies;  // S+1: the sum of SurfaceCells::energies before the first step and after each
+    std::vector<double> moved;     // S: the largest move in each step, in units of the tolerance
+    SurfaceCells cells;            // of `points`
+};
+
+// Moves each seed to SurfaceCells::nearest, step by step, so that seeds spread evenly over the surface. Those without a
+// part stay. Throws as surface_cells(); and invalid_argument for `fixed` of another length and a tolerance that is
+// negative or not finite.
+[[nodiscard]] VOTESS_API SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const TriangleMesh& surface,
+                                                            const SurfaceLloydOptions& options = {});
+
+// Returns `count` random places, uniform by area: 3 * count numbers, one place in each stretch of equal area. The same
+// on every machine. Throws invalid_argument as surface_cells().
+[[nodiscard]] VOTESS_API std::vector<double> sample_surface(const TriangleMesh& surface, std::size_t count,
+                                                            std::uint64_t rng_seed = 0);
+
+struct RemeshOptions {
+    unsigned steps = 30;  // of the relaxation
+    // Degrees, above 0: an edge at which the surface turns by more is sharp, and a sharp edge has a corner where it
+    // turns by more. 180: keep borders alone.
+    double sharp = 40;
+    std::uint64_t rng_seed = 0;      // of the first places
+    unsigned threads = 0;            // as Options::threads
+    ProgressCallback progress = {};  // as Options::progress
+};
+
+// A mesh of W vertices and D triangles. Figures are 0 without triangles, except the distance, which is infinite.
+struct VOTESS_API Remesh {
+    std::vector<double> vertices;         // 3W, on the surface
+    std::vector<std::int32_t> triangles;  // 3D vertices, turned as the surface; the lowest first
+    std::vector<double> points;           // 3M seeds
+    SurfaceCells cells;                   // of these; vertex k is their connected part k
+    std::vector<double> energies;         // before the first step of the relaxation, and after each
+    double min_angle = 0;                 // degrees, of all triangles
+    double mean_min_angle = 0;            // degrees: the mean of the smallest angle of each triangle
+    // The largest distance found between the two meshes: from corners of the polygons of `cells`, and from the middles of
+    // the triangles and of their sides.
+    double distance = 0;
+    std::size_t border_edges = 0;   // of one triangle
+    std::size_t crowded_edges = 0;  // of more than two
+    // Seeds at which the mesh may differ from the surface: a part is no disk, or the triangles around it do not fit
+    // together. More vertices mend this.
+    std::vector<std::int32_t> faults;
+};
+
+// Returns a mesh of well-shaped triangles with about `count` vertices: exactly so many, unless parts of the surface are
+// thinner than the triangles are long. Random places are relaxed by lloyd_on_surface(), and joined by the dual of
+// connected parts. Seeds whose cells hold a stretch of a border or of a sharp edge move along it, and one goes to each of
+// their corners. So the mesh ends where the surface does, up to the size of its triangles. Where cells fall into several
+// parts, fewer seeds make the same number of vertices. Where the mesh would differ from the surface, as around thin
+// bars, seeds are added. The same on any number of threads. Throws as surface_cells(); and invalid_argument for
+// a count of 0 or of more than 2^28, and for a bad angle.
+[[nodiscard]] VOTESS_API Remesh remesh(const TriangleMesh& surface, std::size_t count,
+                                       const RemeshOptions& options = {});
 
 }  // namespace votess

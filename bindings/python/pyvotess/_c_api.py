@@ -268,6 +268,21 @@ class SurfaceOptions(Struct):
 
 
 @_struct
+class SurfaceLloydOptions(Struct):
+    """``votess_surface_lloyd_options``."""
+
+
+@_struct
+class RemeshOptions(Struct):
+    """``votess_remesh_options``."""
+
+
+@_struct
+class RemeshFigures(Struct):
+    """``votess_remesh_figures``."""
+
+
+@_struct
 class PieceArrays(Struct):
     """``votess_piece_arrays``."""
 

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, List, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, as_path
-from ._call import Handle, Progress, run, showing
+from ._call import Handle, Progress, raise_on_failure, run
 from ._input import as_array, as_one_each, as_points
 from ._library import lib
-from .fields.lloyd import _as_mask, _share
+from .fields.lloyd import _as_mask
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._types import BoolArray, Float64Array, Int32Array, Int64Array
+    from ._types import Float64Array, Int32Array, Int64Array
 
-# A seed stays on a feature if its cell holds at least this much of it, in units of the cell's size.
-_LEAST_SHARE = 0.5
+_MAX_VERTICES = 2**28
+_FIGURES = ("min_angle", "mean_min_angle", "distance", "border_edges", "crowded_edges")
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,7 @@ class SurfaceCells:
     polygon_triangles: Int32Array  #: (P,)
     polygon_seeds: Int32Array  #: (P,)
     polygon_areas: Float64Array  #: (P,)
+    polygon_pieces: Int32Array  #: (P,) the connected part, numbered over all cells in their order
     polygon_offsets: Int64Array  #: (P + 1,) offsets into ``corners`` and ``beyond``
     corners: Int32Array  #: rows of ``vertices``
     #: the side that begins at each corner: the seed beyond it, or -1 - k on the triangle's edge from its corner k
@@ -57,6 +58,10 @@ class SurfaceCells:
     #: surface does where the three cells first meet.
     dual: Int32Array
     dual_counts: Int32Array  #: (D,) places where these cells meet
+    #: (E, 3) the same with each connected part as a vertex of its own, by the numbers of ``polygon_pieces``. Where cells lie
+    #: on both sides of a thin plate, it has both sides too.
+    piece_dual: Int32Array
+    piece_dual_counts: Int32Array  #: (E,)
     #: seeds at which the dual may differ from the surface. Their part is no disk, shares several curves or a closed one
     #: with a neighbor, or meets two neighbors at several places. More seeds near them mend this.
     faults: Int32Array
@@ -95,12 +100,23 @@ class SurfaceRelaxation:
 
 @dataclass(frozen=True)
 class Remesh:
-    """A triangle mesh from :func:`remesh`."""
+    """A triangle mesh from :func:`remesh`. Without triangles the angles are 0 and the distance is infinite."""
 
-    vertices: Float64Array  #: (n, 3) on the given surface
+    vertices: Float64Array  #: (W, 3) on the given surface
     triangles: Int32Array  #: (D, 3) turned as the given ones
-    cells: SurfaceCells  #: of ``vertices`` on the given surface
+    points: Float64Array  #: (M, 3) seeds
+    cells: SurfaceCells  #: of ``points`` on the given surface; vertex k is their connected part k
     energies: Float64Array  #: (S + 1,) before the first step of the relaxation, and after each
+    #: seeds at which the mesh may differ from the surface: a part is no disk, or the triangles around it do not fit together.
+    #: More vertices mend this.
+    faults: Int32Array
+    min_angle: float  #: degrees, of all triangles
+    mean_min_angle: float  #: degrees: the mean of the smallest angle of each triangle
+    #: the largest distance found between the two meshes: from corners of the polygons of ``cells``, and from the middles of
+    #: the triangles and of their sides
+    distance: float
+    border_edges: int  #: edges of one triangle
+    crowded_edges: int  #: edges of more than two
 
     @property
     def angles(self) -> Float64Array:
@@ -127,7 +143,7 @@ class Remesh:
             out.writelines(f"f {a} {b} {c}\n" for a, b, c in (self.triangles + 1).tolist())
 
     def __repr__(self) -> str:
-        least = f", angles from {self.angles.min():.1f} degrees" if len(self.triangles) else ""
+        least = f", angles from {self.min_angle:.1f} degrees" if len(self.triangles) else ""
         return f"<pyvotess.Remesh: {len(self.vertices)} vertices, {len(self.triangles)} triangles{least}>"
 
 
@@ -180,13 +196,21 @@ def surface(
     [0.5 0.5] [1. 1.]
     """
     seeds = as_points(points).astype(np.float64, copy=False)
-    places = as_points(vertices, "vertices").astype(np.float64, copy=False)
-    rows = _as_triangles(triangles)
     given = None if weights is None else as_one_each(weights, "weights", len(seeds), "points")
     options = _c_api.SurfaceOptions(threads=as_count(threads, "threads", 32), weights=given, merge=as_flag(merge, "merge"))
     handle = Handle("surface")
-    arguments = (seeds, len(seeds), places, len(places), rows, len(rows), options, handle)
-    run(lib.votess_surface_new, *arguments, options=options, progress=progress)
+    mesh = _as_mesh(vertices, triangles)
+    run(lib.votess_surface_new, seeds, len(seeds), *mesh, options, handle, options=options, progress=progress)
+    return _cells(handle)
+
+
+def _as_mesh(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Tuple[Float64Array, int, Int32Array, int]:
+    places = as_points(vertices, "vertices").astype(np.float64, copy=False)
+    rows = _as_triangles(triangles)
+    return places, len(places), rows, len(rows)
+
+
+def _cells(handle: Handle) -> SurfaceCells:
     return SurfaceCells(**handle.arrays(*SurfaceCells.__dataclass_fields__))
 
 
@@ -221,125 +245,20 @@ def lloyd_on_surface(
     >>> bool(relaxed.energies[-1] < relaxed.energies[0])
     True
     """
-    array = as_points(points).astype(np.float64)
-    moving, limit = ~_as_mask(fixed, len(array)), as_number(tolerance, "tolerance")
+    seeds = as_points(points).astype(np.float64, copy=False)
+    limit = as_number(tolerance, "tolerance")
     if not 0 <= limit < np.inf:
         raise ValueError(f"tolerance is {limit}: it must be finite and not negative")
-    return _relax(array, vertices, triangles, as_count(steps, "steps", 32), moving, limit, merge, threads, progress)
-
-
-def _relax(
-    points: Float64Array,
-    vertices: npt.ArrayLike,
-    triangles: npt.ArrayLike,
-    steps: int,
-    moving: BoolArray,
-    tolerance: float,
-    merge: bool,
-    threads: int,
-    progress: Union[None, bool, Progress],
-    features: Optional[_Features] = None,
-) -> SurfaceRelaxation:
-    energies: List[float] = []
-    moved: List[float] = []
-    with showing(progress) as show:
-        for step in range(steps + 1):
-            part = None if show is None else _share(show, step, steps + 1)
-            cells = surface(points, vertices, triangles, merge=merge, threads=threads, progress=part)
-            energies.append(float(cells.energies.sum()))
-            if step == steps or (moved and moved[-1] <= tolerance):
-                break
-            places = cells.nearest if features is None else features.attract(cells)
-            way = places - points
-            way[~moving | np.isnan(way[:, 0])] = 0
-            moved.append(float(np.sqrt((way**2).sum(axis=1).max(initial=0) * len(points) / cells.areas.sum())))
-            points = points + way
-    return SurfaceRelaxation(points, np.array(energies), np.array(moved), cells)
-
-
-class _Features:
-    """Edges of a surface that vertices of its remesh lie on: borders, sharp edges, those of more than two triangles."""
-
-    def __init__(self, vertices: Float64Array, triangles: Int32Array, angle: float) -> None:
-        x = vertices[triangles]
-        normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-        lengths = np.linalg.norm(normals, axis=1)
-        normals = normals / np.where(lengths > 0, lengths, 1)[:, None]
-        real = np.flatnonzero(lengths > 0)
-        ends = np.stack((triangles[real], np.roll(triangles[real], -1, axis=1)), axis=-1).reshape(-1, 2)
-        edges, number, counts = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
-        number = number.reshape(-1)
-        turned = np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0)
-        order = np.argsort(number, kind="stable")
-        first = np.cumsum(counts) - counts
-        a, b = order[first], order[first + counts - 1]
-        # Two triangles of one orientation run along their edge in opposite directions.
-        cosines = -turned[a] * turned[b] * (normals[real[a // 3]] * normals[real[b // 3]]).sum(axis=1)
-        is_feature = (counts != 2) | (cosines < np.cos(np.radians(angle)))
-        self.counts = counts
-        self.edge_of = np.full((len(triangles), 3), -1)
-        self.edge_of[real] = number.reshape(-1, 3)
-        self.is_feature = np.append(is_feature, False)  # also of edge -1
-        chosen = edges[is_feature]
-        degree = np.bincount(chosen.ravel(), minlength=len(vertices))
-        # Ways from each vertex along its features: two that go on nearly straight sum to little.
-        ways = vertices[chosen[:, 1]] - vertices[chosen[:, 0]]
-        ways = ways / np.maximum(np.linalg.norm(ways, axis=1), np.finfo(float).tiny)[:, None]
-        sums = np.zeros((len(vertices), 3))
-        np.add.at(sums, chosen[:, 0], ways)
-        np.add.at(sums, chosen[:, 1], -ways)
-        bend = np.linalg.norm(sums, axis=1) > 2 * np.sin(np.radians(angle) / 2)
-        self.is_corner = (degree > 0) & ((degree != 2) | bend)
-
-    def attract(self, cells: SurfaceCells) -> Float64Array:
-        """Returns the places to which seeds move: corners, the middle of features in their cell, or ``nearest``."""
-        sizes = np.diff(cells.polygon_offsets)
-        polygon = np.repeat(np.arange(len(sizes)), sizes)
-        after = np.arange(len(polygon)) + 1
-        after[cells.polygon_offsets[1:] - 1] = cells.polygon_offsets[:-1]
-        slot = np.where(cells.beyond < 0, -1 - cells.beyond, 0)
-        edge = np.where(cells.beyond < 0, self.edge_of[cells.polygon_triangles[polygon], slot], -1)
-        on = np.flatnonzero(self.is_feature[edge])
-        places = np.array(cells.nearest)
-        if len(on) == 0:
-            return places
-        seed = cells.polygon_seeds[polygon[on]]
-        a, b = cells.vertices[cells.corners[on]], cells.vertices[cells.corners[after[on]]]
-        length = np.linalg.norm(b - a, axis=1) / self.counts[edge[on]]
-        total = np.bincount(seed, length, minlength=len(cells))
-        middle: Float64Array = np.stack(
-            [np.bincount(seed, length * m, minlength=len(cells)).astype(np.float64) for m in ((a + b) / 2).T], axis=1
-        )
-        takes = total > _LEAST_SHARE * np.sqrt(cells.areas)
-        middle[takes] /= total[takes, None]
-        way = b - a
-        square = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
-        share = np.clip(((middle[seed] - a) * way).sum(axis=1) / square, 0, 1)
-        foot = a + share[:, None] * way
-        order = np.argsort(-((foot - middle[seed]) ** 2).sum(axis=1), kind="stable")  # the nearest last
-        order = order[takes[seed[order]]]
-        places[seed[order]] = foot[order]
-        given = cells.corners < len(self.is_corner)
-        at = np.flatnonzero(given & self.is_corner[np.where(given, cells.corners, 0)])[::-1]
-        places[cells.polygon_seeds[polygon[at]]] = cells.vertices[cells.corners[at]]
-        return places
-
-
-def sample_surface(
-    vertices: Float64Array, triangles: npt.NDArray[Any], count: int, rng: np.random.Generator
-) -> Float64Array:
-    """Returns random places, uniform by area."""
-    x = vertices[triangles]
-    areas = 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
-    if not areas.sum() > 0:
-        raise ValueError("the triangles have no area")
-    # One in each stretch of equal area, so that no part of the surface stays without.
-    ends = np.cumsum(areas)
-    which = np.searchsorted(ends, (np.arange(count) + rng.random(count)) * ends[-1] / count, side="right")
-    which = np.minimum(which, np.flatnonzero(areas)[-1])
-    a, b = np.sqrt(rng.random(count))[:, None], rng.random(count)[:, None]
-    places: Float64Array = (1 - a) * x[which, 0] + a * (1 - b) * x[which, 1] + a * b * x[which, 2]
-    return places
+    options = _c_api.SurfaceLloydOptions(
+        threads=as_count(threads, "threads", 32), fixed=_as_mask(fixed, len(seeds)).view(np.uint8), tolerance=limit,
+        steps=as_count(steps, "steps", 32), merge=as_flag(merge, "merge"),
+    )  # fmt: skip
+    handle = Handle("surface")
+    mesh = _as_mesh(vertices, triangles)
+    run(lib.votess_surface_lloyd, seeds, len(seeds), *mesh, options, handle, options=options, progress=progress)
+    return SurfaceRelaxation(
+        energies=handle.array("step_energies"), cells=_cells(handle), **handle.arrays("points", "moved")
+    )
 
 
 def remesh(
@@ -354,17 +273,19 @@ def remesh(
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
 ) -> Remesh:
-    """Returns a mesh of ``n`` vertices and well-shaped triangles for a surface.
+    """Returns a mesh of well-shaped triangles with about ``n`` vertices for a surface.
 
-    Random places are spread by area, relaxed by Lloyd's method on the surface, and joined by the dual. Seeds whose cells
-    hold a stretch of a border or of a sharp edge move along it, and one seed to each of their corners. So the mesh ends
-    where the surface does, up to the size of its triangles. ``cells.faults`` lists vertices at which it may differ from
-    the surface: thin parts and small holes need more vertices.
+    It has exactly ``n``, unless parts of the surface are thinner than the triangles are long. Random places are spread by
+    area, relaxed by Lloyd's method on the surface, and joined by the dual of connected parts. Seeds whose cells hold a
+    stretch of a border or of a sharp edge move along it, and one seed to each of their corners. So the mesh ends where the
+    surface does, up to the size of its triangles. Where cells fall into several parts, as on both sides of a thin plate,
+    fewer seeds make the same number of vertices. Where the mesh would differ from the surface, as around thin bars, seeds
+    are added. ``faults`` lists the seeds where that did not help.
 
     Parameters
     ----------
     vertices, triangles, merge : as for :func:`surface`.
-    n : number of vertices, at least 1.
+    n : number of vertices, from 1 to 268435456.
     steps : of the relaxation.
     sharp : angle in degrees by which the surface turns at sharp edges, and these at their corners, above 0. 180: keep
         borders alone.
@@ -376,24 +297,21 @@ def remesh(
     >>> mesh.vertices.shape
     (100, 3)
     """
-    places = as_points(vertices, "vertices").astype(np.float64, copy=False)
-    rows = _as_triangles(triangles)
-    count, angle, merge = as_count(n, "n", 31), as_number(sharp, "sharp"), as_flag(merge, "merge")
-    if count == 0:
-        raise ValueError("n is 0: give at least 1")
+    count, angle = as_count(n, "n", 64), as_number(sharp, "sharp")
+    if not 0 < count <= _MAX_VERTICES:
+        raise ValueError(f"n is {count}: give 1 to {_MAX_VERTICES}")
     if not 0 < angle <= 180:
         raise ValueError(f"sharp is {angle}: give an angle above 0, up to 180")
-    if not np.isfinite(places).all():
-        raise ValueError(f"vertices[{np.argwhere(~np.isfinite(places))[0][0]}] is not finite")
-    wrong = np.argwhere((rows < 0) | (rows >= len(places)))
-    if len(wrong):
-        raise ValueError(f"triangles[{wrong[0][0]}] has {rows[tuple(wrong[0])]}, but there are {len(places)} vertices")
-    if merge:
-        places, same = np.unique(places + 0.0, axis=0, return_inverse=True)  # both zeros are equal
-        rows = same.reshape(-1)[rows].astype(np.int32)
-    points = sample_surface(places, rows, count, np.random.default_rng(as_count(rng_seed, "rng_seed", 64)))
-    relaxed = _relax(
-        points, places, rows, as_count(steps, "steps", 32), np.ones(count, bool), 0.0, False, threads, progress,
-        _Features(places, rows, angle),
+    options = _c_api.RemeshOptions(
+        threads=as_count(threads, "threads", 32), rng_seed=as_count(rng_seed, "rng_seed", 64), sharp=angle,
+        steps=as_count(steps, "steps", 32), merge=as_flag(merge, "merge"),
     )  # fmt: skip
-    return Remesh(relaxed.points, relaxed.cells.dual, relaxed.cells, relaxed.energies)
+    handle = Handle("surface")
+    mesh = _as_mesh(vertices, triangles)
+    run(lib.votess_surface_remesh, count, *mesh, options, handle, options=options, progress=progress)
+    figures = _c_api.RemeshFigures()
+    raise_on_failure(lib.votess_surface_figures(handle, figures))
+    return Remesh(
+        handle.array("mesh_vertices"), handle.array("mesh_triangles"), handle.array("points"), _cells(handle),
+        handle.array("step_energies"), handle.array("mesh_faults"), **{name: getattr(figures, name) for name in _FIGURES},
+    )  # fmt: skip

@@ -178,6 +178,16 @@ class Surface(unittest.TestCase):
         volume = (x[:, 0] * np.cross(x[:, 1], x[:, 2])).sum() / 6
         self.assertAlmostEqual(volume, 1, delta=1e-3)
         self.assertGreater(mesh.angles.min(), 15)
+        self.assertEqual((mesh.border_edges, mesh.crowded_edges, len(mesh.faults)), (0, 0, 0))
+        self.assertAlmostEqual(mesh.min_angle, mesh.angles.min(), places=9)
+        self.assertAlmostEqual(mesh.mean_min_angle, mesh.angles.min(axis=1).mean(), places=9)
+        self.assertLess(mesh.distance, 0.05)  # about 0: its triangles lie in the faces
+        # A plate thinner than its triangles: cells hold both of its sides, which the mesh keeps apart.
+        thin = vt.remesh(vertices * (1, 1, 0.01), triangles, 300, steps=15)
+        edges = directed_edges(thin.triangles)
+        self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
+        self.assertEqual((thin.border_edges, thin.crowded_edges, len(thin.faults)), (0, 0, 0))
+        self.assertLess(len(thin.points), 0.7 * len(thin.vertices))
         # An open square: its border is kept.
         flat = vt.remesh(*SQUARE, 60)
         x = flat.vertices[flat.triangles]
@@ -196,9 +206,10 @@ class Surface(unittest.TestCase):
             ("weights: weight 0 = inf is not finite", lambda: vt.surface(points, vertices, triangles, weights=[np.inf])),
             ("weights has shape", lambda: vt.surface(points, vertices, triangles, weights=[1, 2])),
             ("n is 0", lambda: vt.remesh(vertices, triangles, 0)),
+            ("n is 2147483647: give 1 to 268435456", lambda: vt.remesh(vertices, triangles, 2**31 - 1)),
             ("sharp is nan", lambda: vt.remesh(vertices, triangles, 5, sharp=np.nan)),
-            ("but there are 4 vertices", lambda: vt.remesh(vertices, [(0, 1, 4)], 5)),
-            ("the triangles have no area", lambda: vt.remesh(vertices, [(0, 1, 1)], 5)),
+            ("surface: triangle 0 names vertex 4, but there are 4", lambda: vt.remesh(vertices, [(0, 1, 4)], 5)),
+            ("its triangles have no area", lambda: vt.remesh(vertices, [(0, 1, 1)], 5)),
             ("tolerance is -1", lambda: vt.lloyd_on_surface(points, vertices, triangles, tolerance=-1)),
         ):
             with self.assertRaisesRegex(ValueError, message):

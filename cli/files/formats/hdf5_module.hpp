@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 
 namespace clvotess {
@@ -17,6 +18,7 @@ class InputPieces;
 class OutputFile;
 class StreamedFile;
 struct ReadRequest;
+struct ResultArray;
 
 // The functions of the module. They call functions that the program exports.
 struct Hdf5Module {
@@ -27,6 +29,7 @@ struct Hdf5Module {
     std::unique_ptr<StreamedFile> (*create)(OutputFile& file);
     std::unique_ptr<FramesFile> (*create_frames)(OutputFile& file);
     void (*write_grid)(OutputFile& file, const GridOutput& grid);
+    void (*write_arrays)(OutputFile& file, std::span<const ResultArray> arrays);
 };
 
 // Throws Failure when the module cannot be loaded; `task`, such as "cannot read 'a.h5'", begins the message.

@@ -1,0 +1,353 @@
+// Lloyd's method on a surface, and the mesh of well-shaped triangles that it leads to.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "core/at.hpp"
+#include "core/errors.hpp"
+#include "core/progress.hpp"
+#include "core/text.hpp"
+#include "core/vector3.hpp"
+#include "input/settle.hpp"
+#include "solid/closed_mesh.hpp"
+#include "surface/features.hpp"
+#include "surface/mesh_report.hpp"
+#include "surface/nearest.hpp"
+
+namespace votess {
+namespace surface {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t max_count = std::size_t{1} << 28;  // of places: their cells take some 500 bytes each
+
+// Cells that fall into parts are counted after so many steps. Where these are more than the vertices by a share,
+// relaxation begins again with fewer seeds.
+constexpr unsigned trial_steps = 5, max_trials = 3;
+constexpr double max_excess = 0.02;
+// Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
+constexpr unsigned max_rounds = 10, steps_of_round = 3;
+
+// The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish.
+solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
+    double largest = 0;
+    for (const auto& triangle : mesh.given())
+        for (const std::int32_t v : triangle)
+            for (const double x : mesh.vertex(v)) largest = std::max(largest, std::abs(x));
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    scale = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
+    return {mesh, scale};
+}
+
+std::vector<double> sample(const solid::MeshArrays& mesh, double scale, std::size_t count, std::uint64_t rng_seed) {
+    const std::size_t triangles = mesh.triangles.size() / 3;
+    const auto corner = [&](std::size_t t, std::size_t k) {
+        const double* const x = &mesh.vertices[3 * at(mesh.triangles[3 * t + k])];
+        return Vector3{x[0], x[1], x[2]};
+    };
+    std::vector<double> ends;
+    std::size_t last = 0;  // triangle with an area
+    for (std::size_t t = 0; t < triangles; ++t) {
+        const Vector3 a = corner(t, 0), n = cross(minus(corner(t, 1), a), minus(corner(t, 2), a));
+        const double area = length3(n[0], n[1], n[2]);
+        ends.push_back((t == 0 ? 0 : ends.back()) + area);
+        if (area > 0) last = t;
+    }
+    if (ends.empty() || !(ends.back() > 0)) refuse("surface: its triangles have no area");
+    std::mt19937_64 bits(rng_seed);
+    const auto uniform = [&bits] { return static_cast<double>(bits() >> 11) * 0x1p-53; };
+    std::vector<double> places;
+    places.reserve(3 * count);
+    std::size_t t = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i % 4096 == 0) check_stop();
+        const double at_area = (static_cast<double>(i) + uniform()) * ends.back() / static_cast<double>(count);
+        while (t < last && ends[t] <= at_area) ++t;
+        const double a = std::sqrt(uniform()), b = uniform();
+        const Vector3 x = corner(t, 0), y = corner(t, 1), z = corner(t, 2);
+        for (std::size_t k = 0; k < 3; ++k)
+            places.push_back(((1 - a) * x[k] + a * (1 - b) * y[k] + a * b * z[k]) * scale);
+    }
+    return places;
+}
+
+Vector3 place_of(const std::vector<double>& places, std::size_t i) {
+    return {places[3 * i], places[3 * i + 1], places[3 * i + 2]};
+}
+
+// Calls use(a, b, c) for triangles that make up a polygon.
+template <class Use>
+void each_triangle(const SurfaceCells& cells, std::size_t polygon, const Use& use) {
+    const std::size_t begin = at(cells.polygon_offsets[polygon]), end = at(cells.polygon_offsets[polygon + 1]);
+    const auto corner = [&](std::size_t c) { return place_of(cells.vertices, at(cells.corners[c])); };
+    for (std::size_t c = begin + 1; c + 1 < end; ++c) use(corner(begin), corner(c), corner(c + 1));
+}
+
+// Returns the place of each connected part that is nearest to its centroid; NaN without an area.
+std::vector<Vector3> middles_of(const SurfaceCells& cells) {
+    std::vector<Vector3> places;
+    std::vector<std::uint8_t> alone;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        for (std::int32_t k = 0; k < cells.pieces[i]; ++k) {
+            alone.push_back(cells.pieces[i] == 1 ? 1 : 0);
+            places.push_back(cells.pieces[i] == 1 ? place_of(cells.nearest, i) : Vector3{nan, nan, nan});
+        }
+    std::vector<Vector3> centroids(places.size());
+    std::vector<double> areas(places.size()), least(places.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
+        const std::size_t piece = at(cells.polygon_pieces[p]);
+        if (alone[piece] != 0) continue;
+        each_triangle(cells, p, [&](const Vector3& a, const Vector3& b, const Vector3& c) {
+            const Vector3 n = cross(minus(b, a), minus(c, a));
+            const double area = length3(n[0], n[1], n[2]);
+            areas[piece] += area;
+            for (std::size_t k = 0; k < 3; ++k) centroids[piece][k] += area * (a[k] + b[k] + c[k]) / 3;
+        });
+    }
+    for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
+        const std::size_t piece = at(cells.polygon_pieces[p]);
+        if (alone[piece] != 0 || !(areas[piece] > 0)) continue;
+        const Vector3& sum = centroids[piece];
+        const Vector3 centroid{sum[0] / areas[piece], sum[1] / areas[piece], sum[2] / areas[piece]};
+        each_triangle(cells, p, [&](const Vector3& a, const Vector3& b, const Vector3& c) {
+            const Vector3 place = nearest_on_triangle(centroid, a, b, c);
+            if (const double far = distance(place, centroid); far < least[piece])
+                least[piece] = far, places[piece] = place;
+        });
+    }
+    return places;
+}
+
+// Returns where seeds move to: the place of the largest part of their cell; NaN without one.
+std::vector<double> goals_of(const SurfaceCells& cells, const std::vector<Vector3>& places) {
+    std::vector<double> areas(places.size()), goals(3 * cells.size(), nan);
+    for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p)
+        areas[at(cells.polygon_pieces[p])] += cells.polygon_areas[p];
+    std::size_t piece = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        double largest = 0;
+        for (std::int32_t k = 0; k < cells.pieces[i]; ++k, ++piece) {
+            if (!(areas[piece] > largest)) continue;
+            largest = areas[piece];
+            std::ranges::copy(places[piece], goals.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        }
+    }
+    return goals;
+}
+
+// Steps of a relaxation, on threads that each step makes again.
+class Relaxation {
+public:
+    Relaxation(const TriangleMesh& mesh, unsigned threads, std::vector<double> points)
+        : mesh_(mesh), threads_(threads) {
+        out_.points = std::move(points);
+        measure();
+    }
+
+    // Moves seeds to their goals: three numbers each, NaN for those that stay. Returns the largest move.
+    double step(std::span<const double> goals) {
+        double largest = 0;
+        for (std::size_t i = 0; i < out_.cells.size(); ++i) {
+            const Vector3 from = place_of(out_.points, i), to{goals[3 * i], goals[3 * i + 1], goals[3 * i + 2]};
+            if (std::isnan(to[0])) continue;
+            largest = std::max(largest, distance(from, to));
+            std::ranges::copy(to, out_.points.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        }
+        const double area = std::accumulate(out_.cells.areas.begin(), out_.cells.areas.end(), 0.0);
+        out_.moved.push_back(largest / std::sqrt(area / static_cast<double>(out_.cells.size())));
+        measure();
+        return out_.moved.back();
+    }
+    void add(std::span<const double> points) {
+        out_.points.insert(out_.points.end(), points.begin(), points.end());
+        measure();
+    }
+    [[nodiscard]] const SurfaceCells& cells() const { return out_.cells; }
+    [[nodiscard]] const std::vector<double>& points() const { return out_.points; }
+    [[nodiscard]] SurfaceRelaxation take() { return std::move(out_); }
+
+private:
+    void measure() {
+        SurfaceOptions options;
+        options.threads = threads_;
+        out_.cells = surface_cells(out_.points, mesh_, options);
+        out_.energies.push_back(std::accumulate(out_.cells.energies.begin(), out_.cells.energies.end(), 0.0));
+    }
+
+    const TriangleMesh& mesh_;
+    unsigned threads_;
+    SurfaceRelaxation out_;
+};
+
+class Remeshing {
+public:
+    Remeshing(const solid::ClosedMesh& closed, std::size_t count, const RemeshOptions& options)
+        : given_(closed, 1),
+          mesh_(given_.view()),
+          scaled_(near_unit(closed, scale_)),
+          features_(scaled_, options.sharp),
+          count_(count),
+          options_(options),
+          all_steps_(options.steps + max_rounds) {}
+
+    [[nodiscard]] Remesh make() {
+        relax();
+        mend();
+        Remesh mesh = meshed();
+        SurfaceRelaxation relaxed = relaxation_->take();
+        mesh.points = std::move(relaxed.points);
+        mesh.energies = std::move(relaxed.energies);
+        mesh.cells = std::move(relaxed.cells);
+        report_on_mesh(mesh, features_);
+        return mesh;
+    }
+
+private:
+    // Returns the places of the connected parts.
+    [[nodiscard]] std::vector<Vector3> places() const {
+        const SurfaceCells& cells = relaxation_->cells();
+        std::vector<Vector3> places = middles_of(cells);
+        features_.attract(cells, places);
+        return places;
+    }
+
+    void step() {
+        relaxation_->step(goals_of(relaxation_->cells(), places()));
+        report_stage(std::min(++done_, all_steps_), all_steps_);
+    }
+
+    void relax() {
+        std::size_t seeds = count_;
+        const unsigned trial = std::min(trial_steps, options_.steps);
+        for (unsigned attempt = 1;; ++attempt) {
+            relaxation_.emplace(mesh_, options_.threads, sample(scaled_, scale_, seeds, options_.rng_seed));
+            for (unsigned k = 0; k < trial; ++k) step();
+            const auto& pieces = relaxation_->cells().pieces;
+            const double all = std::accumulate(pieces.begin(), pieces.end(), 0.0), wanted = static_cast<double>(count_);
+            if (all <= (1 + max_excess) * wanted || attempt == max_trials) break;
+            seeds = std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(seeds) * wanted / all));
+            done_ -= std::min<std::size_t>(done_, trial);
+        }
+        for (unsigned k = trial; k < options_.steps; ++k) step();
+    }
+
+    // Adds a seed to each faulty part, as far as possible from its vertex.
+    void mend() {
+        std::size_t added = 0;
+        for (unsigned round = 0; round < max_rounds; ++round) {
+            const SurfaceCells& cells = relaxation_->cells();
+            const Remesh mesh = meshed();
+            const std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
+            std::vector<double> far(bad.size(), -1);
+            std::vector<std::int32_t> corners(bad.size(), -1);
+            for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
+                const std::size_t piece = at(cells.polygon_pieces[p]);
+                if (bad[piece] == 0) continue;
+                for (std::int64_t c = cells.polygon_offsets[p]; c < cells.polygon_offsets[p + 1]; ++c) {
+                    const std::int32_t corner = cells.corners[at(c)];
+                    const double d =
+                        distance(place_of(cells.vertices, at(corner)), place_of(mesh.vertices, piece));
+                    if (d > far[piece]) far[piece] = d, corners[piece] = corner;
+                }
+            }
+            std::vector<double> more;
+            for (std::size_t piece = 0; piece < bad.size() && added < count_; ++piece) {
+                if (corners[piece] < 0) continue;
+                const Vector3 place = place_of(cells.vertices, at(corners[piece]));
+                more.insert(more.end(), place.begin(), place.end());
+                ++added;
+            }
+            if (more.empty()) return;
+            relaxation_->add(more);
+            for (unsigned k = 0; k < steps_of_round; ++k) step();
+        }
+    }
+
+    // Returns vertices and triangles. A seed is the vertex of its only part.
+    [[nodiscard]] Remesh meshed() const {
+        Remesh mesh;
+        const SurfaceCells& cells = relaxation_->cells();
+        const std::vector<double>& points = relaxation_->points();
+        mesh.triangles = cells.piece_dual;
+        const std::vector<Vector3> at_parts = places();
+        for (std::size_t i = 0; i < cells.size(); ++i)
+            for (std::int32_t k = 0; k < cells.pieces[i]; ++k) {
+                const Vector3& place = at_parts[mesh.vertices.size() / 3];
+                const bool is_seed = cells.pieces[i] == 1 || std::isnan(place[0]);
+                const Vector3 x = is_seed ? place_of(points, i) : place;
+                mesh.vertices.insert(mesh.vertices.end(), x.begin(), x.end());
+            }
+        return mesh;
+    }
+
+    solid::MeshArrays given_;
+    TriangleMesh mesh_;
+    double scale_ = 1;
+    solid::MeshArrays scaled_;
+    Features features_;
+    std::size_t count_;
+    const RemeshOptions& options_;
+    std::optional<Relaxation> relaxation_;
+    std::size_t done_ = 0, all_steps_;
+};
+
+void check_count(std::size_t count, const char* what) {
+    if (count == 0) refuse(std::string(what) + " is 0: give at least 1");
+    if (count > max_count)
+        refuse(std::string(what) + " is " + std::to_string(count) + ", which is too many: give at most " +
+               std::to_string(max_count));
+}
+
+}  // namespace
+}  // namespace surface
+
+SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const TriangleMesh& mesh,
+                                   const SurfaceLloydOptions& options) {
+    check_threads(options.threads);
+    if (!options.fixed.empty() && options.fixed.size() != points.size() / 3)
+        refuse("SurfaceLloydOptions::fixed has " + std::to_string(options.fixed.size()) + " values for " +
+               std::to_string(points.size() / 3) + " points: give one for each");
+    if (!(options.tolerance >= 0) || std::isinf(options.tolerance))
+        refuse("SurfaceLloydOptions::tolerance is " + number(options.tolerance) +
+               ": it must be finite and not negative");
+    Progress progress(options.progress);
+    const Stoppable stoppable(progress, {0, 1});
+    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()});
+    for (unsigned step = 0; step < options.steps; ++step) {
+        report_stage(step + 1, std::size_t{options.steps} + 1);
+        std::vector<double> goals = relaxation.cells().nearest;
+        for (std::size_t i = 0; i < options.fixed.size(); ++i)
+            if (options.fixed[i] != 0) goals[3 * i] = surface::nan;
+        if (relaxation.step(goals) <= options.tolerance) break;
+    }
+    return relaxation.take();
+}
+
+std::vector<double> sample_surface(const TriangleMesh& mesh, std::size_t count, std::uint64_t rng_seed) {
+    if (count == 0) return {};
+    surface::check_count(count, "the number of places");
+    const auto closed = solid::ClosedMesh::any_surface(mesh, "surface");
+    double scale = 1;
+    const solid::MeshArrays scaled = surface::near_unit(closed, scale);
+    return surface::sample(scaled, scale, count, rng_seed);
+}
+
+Remesh remesh(const TriangleMesh& mesh, std::size_t count, const RemeshOptions& options) {
+    check_threads(options.threads);
+    surface::check_count(count, "the number of vertices");
+    if (!(options.sharp > 0 && options.sharp <= 180))
+        refuse("RemeshOptions::sharp is " + number(options.sharp) + ": give an angle above 0, up to 180 degrees");
+    Progress progress(options.progress);
+    const Stoppable stoppable(progress, {0, 1});
+    return surface::Remeshing(solid::ClosedMesh::any_surface(mesh, "surface"), count, options).make();
+}
+
+}  // namespace votess
