@@ -58,8 +58,8 @@ mean --2d)",
          {.on_surface = true}},
         {"--random N",
          R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT;
-with --2d in the unit square, with --mesh inside of the mesh. The domain is
-that box unless --box is given)",
+with --2d in the unit square, with --mesh inside of the mesh, with
+--surface on it. The domain is that box unless --box is given)",
          {.brief = "N uniform points in the unit box instead of INPUT", .on_surface = true}},
         {"--rng-seed S", R"(start of the random numbers; default 1. The same on every machine)", {.with = "--random|--remesh", .on_surface = true}},
         {"", "domain"},
@@ -153,10 +153,7 @@ SurfaceCells in Python), and the dual into .obj, .ply, .off and .stl: a
 triangle where three cells meet. --json counts faults: cells at which the
 dual may differ from the surface. Goes with --weights, --radii,
 --mesh-repair, --mesh-tolerance and --threads)",
-         {.brief = "cells on a triangle surface; --remesh N makes even triangles of it",
-          .needs = Needs::all_cells,
-          .solid = true,
-          .on_surface = true}},
+         {.needs = Needs::all_cells, .solid = true, .on_surface = true}},
         {"--remesh N",
          R"(a mesh of even triangles with N vertices for the surface, about 2 N
 triangles, without INPUT. More where parts of the surface are thinner than

@@ -15,7 +15,8 @@ namespace {
 constexpr std::string_view title = "clvotess: exact Voronoi tessellation in three dimensions, or two (--2d)\n\n";
 constexpr std::string_view usage =
     "usage: clvotess INPUT [options]                      tessellate the points of INPUT\n"
-    "       clvotess --random N [--rng-seed S] [options]  N uniform points in the unit box instead\n\n"
+    "       clvotess --random N [--rng-seed S] [options]  N uniform points in the unit box instead\n"
+    "       clvotess --surface FILE --remesh N -o OUT.obj a mesh of even triangles for a surface\n\n"
     "Prints a short summary and writes the files that -o names.\n";
 constexpr std::string_view ending =
     R"(units: lengths are those of the input, areas their square, volumes their cube; times in the

@@ -350,6 +350,9 @@ void read_surface_options(const Typed& typed, Arguments& arguments) {
     if (const std::string* count = typed.value("--remesh")) {
         if (typed.has("INPUT") || typed.has("--random"))
             throw bad_input("--remesh chooses its own points: leave out INPUT and --random");
+        for (const char* option : {"--dataset", "--frame", "--columns", "--weights", "--radii"})
+            if (typed.has(option))
+                throw bad_input(std::string(option) + " goes with INPUT, not with --remesh: leave it out");
         arguments.remesh = read_random_count("--remesh", *count);
         if (arguments.outputs.empty())
             throw bad_input("--remesh makes a mesh: add -o FILE in .obj, .ply, .off, .stl, .npz or .h5");

@@ -1,12 +1,15 @@
 // surface_cells(): parts tile the surface, threads, ties, the dual, refusals, stops. Fractions: test_surface.py.
+// lloyd_on_surface(), remesh() and sample_surface().
 #include "votess/surface.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
 #include <set>
+#include <utility>
 
 namespace {
 
@@ -151,4 +154,87 @@ TEST_CASE("surface: refuses what it cannot read, and stops") {
     votess::SurfaceOptions options;
     options.progress = [](double) { return false; };
     CHECK_THROWS_AS((void)cells_of(places_on_sphere(2000, 2), ball, options), votess::Error);
+}
+
+TEST_CASE("surface: relaxation spreads seeds, and the fixed ones stay") {
+    const Given ball = sphere(12);
+    const std::vector<double> points = places_on_sphere(60, 3);
+    std::vector<std::uint8_t> fixed(60);
+    fixed[7] = 1;
+    const auto relaxed = votess::lloyd_on_surface(points, ball.view(), {.steps = 12, .fixed = fixed, .threads = 2});
+    REQUIRE(relaxed.energies.size() == 13);
+    for (std::size_t k = 1; k < 13; ++k) CHECK(relaxed.energies[k] <= relaxed.energies[k - 1] * (1 + 1e-12));
+    CHECK(relaxed.energies.back() < 0.8 * relaxed.energies.front());
+    for (std::size_t k = 21; k < 24; ++k) CHECK(relaxed.points[k] == points[k]);
+    const auto alone = votess::lloyd_on_surface(points, ball.view(), {.steps = 12, .fixed = fixed, .threads = 1});
+    CHECK(alone.points == relaxed.points);
+    const auto early = votess::lloyd_on_surface(points, ball.view(), {.tolerance = 0.1});
+    CHECK(early.moved.size() < 100);
+    CHECK(early.moved.back() <= 0.1);
+}
+
+TEST_CASE("surface: a new mesh is closed, as the surface is") {
+    // Each edge joins two triangles that run along it in opposite directions.
+    const auto is_closed = [](const votess::Remesh& mesh) {
+        std::set<std::pair<std::int32_t, std::int32_t>> sides;
+        for (std::size_t k = 0; k < mesh.triangles.size(); ++k)
+            if (!sides.insert({mesh.triangles[k], mesh.triangles[k % 3 == 2 ? k - 2 : k + 1]}).second) return false;
+        return std::ranges::all_of(sides, [&](const auto& side) { return sides.contains({side.second, side.first}); });
+    };
+    Given ball = sphere(12);
+    votess::TriangleMesh view = ball.view();
+    view.merge = true;
+    const votess::Remesh round = votess::remesh(view, 200, {.steps = 15});
+    CHECK(round.vertices.size() == 600);
+    CHECK(round.triangles.size() == 3 * 396);
+    CHECK(is_closed(round));
+    CHECK(round.faults.empty());
+    CHECK(round.min_angle > 25);
+    CHECK(round.mean_min_angle > 45);
+    // A chord of the sphere with the length of its triangles' sides, about sqrt(4 pi / 200 * 1.15), is 0.01 deep.
+    CHECK(round.distance > 0.005);
+    CHECK(round.distance < 0.03);
+    const votess::Remesh again = votess::remesh(view, 200, {.steps = 15, .threads = 1});
+    CHECK(again.vertices == round.vertices);
+    CHECK(again.triangles == round.triangles);
+    // A plate thinner than its triangles has cells on both sides.
+    for (std::size_t k = 2; k < ball.vertices.size(); k += 3) ball.vertices[k] *= 0.01;
+    const votess::Remesh flat = votess::remesh(view, 200, {.steps = 15});
+    CHECK(is_closed(flat));
+    CHECK(flat.faults.empty());
+    CHECK(flat.points.size() < 0.8 * static_cast<double>(flat.vertices.size()));
+}
+
+TEST_CASE("surface: places on it, and refusals of a mesh") {
+    const Given square{{0, 0, 5, 1, 0, 5, 1, 1, 5, 0, 1, 5}, {0, 1, 2, 0, 2, 3}};
+    const std::vector<double> places = votess::sample_surface(square.view(), 1000, 4);
+    REQUIRE(places.size() == 3000);
+    double below = 0;
+    for (std::size_t i = 0; i < 1000; ++i) {
+        CHECK(places[3 * i + 2] == 5);
+        CHECK(std::min(places[3 * i], places[3 * i + 1]) >= 0);
+        CHECK(std::max(places[3 * i], places[3 * i + 1]) <= 1);
+        below += places[3 * i + 1] <= places[3 * i] ? 1 : 0;
+    }
+    CHECK(below == 500);  // one place in each stretch of equal area
+    const auto message = [&](std::size_t count, const votess::RemeshOptions& options = {}) -> std::string {
+        try {
+            (void)votess::remesh(square.view(), count, options);
+        } catch (const votess::Error& error) {
+            return error.what();
+        }
+        return "";
+    };
+    CHECK(message(0) == "the number of vertices is 0: give at least 1");
+    CHECK(message(2147483647) ==
+          "the number of vertices is 2147483647, which is too many: give at most 268435456");
+    CHECK(message(5, {.sharp = 0}) == "RemeshOptions::sharp is 0: give an angle above 0, up to 180 degrees");
+    CHECK_THROWS_AS((void)votess::remesh(square.view(), 500, {.progress = [](double) { return false; }}),
+                    votess::Error);
+    CHECK_THROWS_AS((void)votess::lloyd_on_surface(places, square.view(), {.tolerance = -1}), votess::Error);
+    const std::vector<std::uint8_t> fixed(3);
+    CHECK_THROWS_AS((void)votess::lloyd_on_surface(places, square.view(), {.fixed = fixed}), votess::Error);
+    const votess::Remesh point = votess::remesh(square.view(), 1);
+    CHECK(point.triangles.empty());
+    CHECK(std::isinf(point.distance));
 }

@@ -16,9 +16,10 @@ from output_cases import AlphaComplexes, ArrayOutput, TextOutput, VoroppCommand
 from plane_cases import Plane
 from query_cases import Interpolate, Locate, Probe, Stops, ToGrid, Trace
 from solid_cases import Mesh
+from surface_cases import OnSurface
 from usage_cases import Usage, Words
 
-__all__ = ["AlphaComplexes", "ArrayOutput", "Files", "Locate", "Mesh", "Probe", "Interpolate", "Plane", "Source", "Stops", "TextOutput", "ToGrid", "Trace", "Usage", "Volumes", "Words",
+__all__ = ["AlphaComplexes", "ArrayOutput", "Files", "Locate", "Mesh", "Probe", "Interpolate", "OnSurface", "Plane", "Source", "Stops", "TextOutput", "ToGrid", "Trace", "Usage", "Volumes", "Words",
            "VoroppCommand"]
 
 if __name__ == "__main__":

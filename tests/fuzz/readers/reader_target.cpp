@@ -37,6 +37,9 @@ std::unique_ptr<FramesFile> create_hdf5_frames(OutputFile&) {
 void write_grid_hdf5(OutputFile&, const GridOutput&) {
     std::abort();
 }
+void write_arrays_hdf5(OutputFile&, std::span<const ResultArray>) {
+    std::abort();
+}
 }  // namespace clvotess
 #endif
 
