@@ -33,11 +33,11 @@ POSCAR CONTCAR .vasp  of VASP
 NAME, -         text without an extension; on stdin
 Any text may be packed: .xyz.gz, .dump.gz, ...)",
          {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR, .tess; - stdin", .on_surface = true}},
-        {"--dataset NAME", R"(dataset of .h5, or its group such as PartType1, or array of .npz; default:
+        {"--dataset NAME",
+         R"(dataset of .h5, or its group such as PartType1, or array of .npz; default:
 the only one that fits. Velocities and forces do not)",
          {.on_surface = true}},
-        {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5, from 0; default: the first)",
-         {.on_surface = true}},
+        {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5, from 0; default: the first)", {.on_surface = true}},
         {"--frames all|last|a:b:c",
          R"(all frames, the last, or frames a to b - 1 in steps of c, in one pass. The
 output holds one after the other: .h5 has a group frame_NUMBER for each,
@@ -61,7 +61,9 @@ mean --2d)",
 with --2d in the unit square, with --mesh inside of the mesh, with
 --surface on it. The domain is that box unless --box is given)",
          {.brief = "N uniform points in the unit box instead of INPUT", .on_surface = true}},
-        {"--rng-seed S", R"(start of the random numbers; default 1. The same on every machine)", {.with = "--random|--remesh", .on_surface = true}},
+        {"--rng-seed S",
+         R"(start of the random numbers; default 1. The same on every machine)",
+         {.with = "--random|--remesh", .on_surface = true}},
         {"", "domain"},
         {"--2d",
          R"(two dimensions: the cells are polygons. Input are rows `x y` or `id x y`,
@@ -185,8 +187,7 @@ stay symmetric. 0 drops none)",
         {"--min-area AREA",
          R"(drop faces below this area, as --min-face does; the larger limit counts)",
          {.member = Number(&Options::min_area), .unit = "length unit squared", .needs = Needs::all_cells}},
-        {"--weights COL", R"(power diagram: COL holds the weights)",
-         {.on_surface = true}},
+        {"--weights COL", R"(power diagram: COL holds the weights)", {.on_surface = true}},
         {"--radii COL",
          R"(power diagram: COL holds radii, whose squares are the weights. COL is the
 number of a column from 1, or a name: of .csv with a line of names, LAMMPS,
@@ -276,7 +277,9 @@ get an empty one, or the input is refused)",
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",
-         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, -", .repeats = true, .on_surface = true}},
+         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, -",
+          .repeats = true,
+          .on_surface = true}},
         {"--format FMT",
          R"(a row of text, with the codes of Voro++; default "%i %n"
   %i  id: that of the input, else the index from 0
@@ -313,10 +316,8 @@ Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add --list-walls)",
          R"(list walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax
 of the box, or the faces of a cell across a, b and c; -7, -8, ... = walls)",
          {.member = Flag(&Options::list_walls), .needs = Needs::cells}},
-        {"--json", R"(print the summary as one JSON object)",
-         {.on_surface = true}},
-        {"-q, --quiet", R"(print neither summary nor progress)",
-         {.on_surface = true}},
+        {"--json", R"(print the summary as one JSON object)", {.on_surface = true}},
+        {"-q, --quiet", R"(print neither summary nor progress)", {.on_surface = true}},
         {"", "picture"},
         {"--image FILE.png",
          R"(a picture of the cells, cut open, drawn on the CPU. Cells at the walls that

@@ -24,18 +24,18 @@ struct Arguments {
     std::string input;  // file or "-"; empty with --random
     std::string flat;   // the option that says that there are two dimensions, for messages; empty without one
     ReadRequest read;
-    std::optional<FrameRange> frames;  // by --frames
-    bool hull = false;                 // --box hull
-    std::string mesh_file;             // --mesh
-    Surface mesh;                      // once load_mesh() has read it
-    std::string surface_file;          // --surface
+    std::optional<FrameRange> frames;     // by --frames
+    bool hull = false;                    // --box hull
+    std::string mesh_file;                // --mesh
+    Surface mesh;                         // once load_mesh() has read it
+    std::string surface_file;             // --surface
     std::optional<std::uint64_t> remesh;  // --remesh
     double sharp = 40;                    // --sharp
-    double gap = 0;                    // --gap
-    double min_edge = 0;               // --min-edge
-    bool skip_open = false;            // --open skip
-    bool points_alone = false;         // --points
-    bool covalent = false;             // --radii covalent
+    double gap = 0;                       // --gap
+    double min_edge = 0;                  // --min-edge
+    bool skip_open = false;               // --open skip
+    bool points_alone = false;            // --points
+    bool covalent = false;                // --radii covalent
     // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, values for --watershed, then
     // carried columns or field values.
     bool has_weights = false, has_radii = false, has_volumes = false, has_density = false, has_zones = false;

@@ -71,8 +71,7 @@ void put_triangle(OutputBuffer& out, std::string_view head, const Triangles& mes
 
 void write_obj_or_off(OutputFile& file, const Triangles& mesh, bool is_obj) {
     OutputBuffer out;
-    if (!is_obj)
-        out.put("OFF\n" + std::to_string(mesh.vertex_count()) + " " + std::to_string(mesh.size()) + " 0\n");
+    if (!is_obj) out.put("OFF\n" + std::to_string(mesh.vertex_count()) + " " + std::to_string(mesh.size()) + " 0\n");
     write_rows(file, out, mesh.vertex_count(), [&](std::size_t v) {
         if (is_obj) out.put("v ");
         out.put_vector(mesh.vertices.subspan(3 * v, 3));
@@ -249,8 +248,7 @@ private:
     void find_cells() {
         if (arguments_.random_count) {
             seeds_.dimensions = 3;
-            seeds_.points =
-                votess::sample_surface(surface_.view(), *arguments_.random_count, arguments_.rng_seed);
+            seeds_.points = votess::sample_surface(surface_.view(), *arguments_.random_count, arguments_.rng_seed);
         } else {
             seeds_ = read_input(arguments_.input, arguments_.read);
         }
@@ -338,7 +336,8 @@ private:
 void refuse_beside_surface(const Arguments& arguments) {
     for (const Option* option : arguments.given)
         if (!option->traits.on_surface)
-            throw bad_input(long_name(*option) + " does not go with --surface, whose cells are parts of a surface: "
+            throw bad_input(long_name(*option) +
+                            " does not go with --surface, whose cells are parts of a surface: "
                             "leave it out");
 }
 

@@ -52,10 +52,10 @@ votess_status votess_surface_lloyd(const double* points, size_t count, const dou
                                    const int32_t* triangles, size_t triangle_count,
                                    const votess_surface_lloyd_options* options, votess_surface** out) {
     return create(out, [&] {
-        const votess_surface_lloyd_options all =
-            options == nullptr ? votess_surface_lloyd_options{}
-                               : read_struct(*options, "surface_lloyd_options.struct_size",
-                                             "set it to sizeof(votess_surface_lloyd_options)");
+        const votess_surface_lloyd_options all = options == nullptr
+                                                     ? votess_surface_lloyd_options{}
+                                                     : read_struct(*options, "surface_lloyd_options.struct_size",
+                                                                   "set it to sizeof(votess_surface_lloyd_options)");
         const votess::TriangleMesh mesh =
             mesh_of(vertices, vertex_count, triangles, triangle_count, all.merge, all.mesh_tolerance);
         votess::SurfaceLloydOptions given;
@@ -80,8 +80,8 @@ votess_status votess_surface_remesh(size_t count, const double* vertices, size_t
         bool merge = false;
         double tolerance = 0;
         if (options != nullptr) {
-            const votess_remesh_options all = read_struct(*options, "remesh_options.struct_size",
-                                                          "set it to sizeof(votess_remesh_options)");
+            const votess_remesh_options all =
+                read_struct(*options, "remesh_options.struct_size", "set it to sizeof(votess_remesh_options)");
             given.steps = all.steps;
             if (all.sharp != 0) given.sharp = all.sharp;
             given.rng_seed = all.rng_seed;

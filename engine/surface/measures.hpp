@@ -27,8 +27,8 @@ public:
     double area, border, energy;
     Vector3 centroid, nearest;  // relative to the seed; NaN without an area
     std::int32_t pieces, euler;
-    std::vector<Shared> row;         // ascending
-    std::vector<double> part_areas;  // of each part
+    std::vector<Shared> row;                // ascending
+    std::vector<double> part_areas;         // of each part
     std::vector<std::int32_t> part_pieces;  // of each part, from 0 in the order of their first part
 
 private:

@@ -106,7 +106,8 @@ public:
             const Vector3 a = place_at(mesh_.vertices, corner[0]), b = place_at(mesh_.vertices, corner[1]),
                           c = place_at(mesh_.vertices, corner[2]);
             const auto middle = [](const Vector3& u, const Vector3& v) { return along(u, minus(v, u), 0.5); };
-            for (const Vector3& x : {middle(a, b), middle(b, c), middle(c, a), along(middle(a, b), minus(c, middle(a, b)), 1.0 / 3)})
+            for (const Vector3& x :
+                 {middle(a, b), middle(b, c), middle(c, a), along(middle(a, b), minus(c, middle(a, b)), 1.0 / 3)})
                 largest = std::max(largest, to_surface(x));
         }
         return largest;
@@ -148,8 +149,8 @@ private:
                 };
                 const std::int64_t begin = mesh_.cells.polygon_offsets[p], end = mesh_.cells.polygon_offsets[p + 1];
                 for (std::int64_t c = begin + 1; c + 1 < end; ++c)
-                    least = std::min(least,
-                                     distance(x, nearest_on_triangle(x, corner(begin), corner(c), corner(c + 1))));
+                    least =
+                        std::min(least, distance(x, nearest_on_triangle(x, corner(begin), corner(c), corner(c + 1))));
             }
         return least;
     }

@@ -9,8 +9,8 @@
 
 namespace votess::surface {
 
-// Returns for each connected part of the cells whether it is at fault that triangles of parts do not fit together as the
-// surface does: 1, else 0. Parts at edges of more than two triangles of the surface are not.
+// Returns for each connected part of the cells whether it is at fault that triangles of parts do not fit together as
+// the surface does: 1, else 0. Parts at edges of more than two triangles of the surface are not.
 [[nodiscard]] std::vector<std::uint8_t> faulty_parts(const SurfaceCells& cells,
                                                      const std::vector<std::int32_t>& triangles,
                                                      const Features& features);

@@ -24,7 +24,8 @@ namespace votess::surface {
 }
 
 // Returns the place of a triangle nearest to x.
-[[nodiscard]] inline Vector3 nearest_on_triangle(const Vector3& x, const Vector3& a, const Vector3& b, const Vector3& c) {
+[[nodiscard]] inline Vector3 nearest_on_triangle(const Vector3& x, const Vector3& a, const Vector3& b,
+                                                 const Vector3& c) {
     const Vector3 n = cross(minus(b, a), minus(c, a));
     const double square = dot(n, n);
     if (square > 0) {

@@ -33,7 +33,8 @@ constexpr std::size_t max_count = std::size_t{1} << 28;  // of places: corners o
 constexpr unsigned trial_steps = 5, max_trials = 3;
 constexpr double max_excess = 0.02;
 // Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
-constexpr unsigned max_rounds = 10, steps_of_round = 3;
+// Rounds end early when several in a row leave no fewer faults.
+constexpr unsigned max_rounds = 10, steps_of_round = 3, max_vain = 3;
 
 // The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish.
 solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
@@ -74,7 +75,7 @@ std::vector<double> sample(const solid::MeshArrays& mesh, double scale, std::siz
         const double a = std::sqrt(uniform()), b = uniform();
         const Vector3 x = corner(t, 0), y = corner(t, 1), z = corner(t, 2);
         for (std::size_t k = 0; k < 3; ++k)
-            places.push_back(((1 - a) * x[k] + a * (1 - b) * y[k] + a * b * z[k]) * scale);
+            places.push_back((x[k] + a * (1 - b) * (y[k] - x[k]) + a * b * (z[k] - x[k])) * scale);
     }
     return places;
 }
@@ -241,11 +242,15 @@ private:
 
     // Adds a seed to each faulty part, as far as possible from its vertex.
     void mend() {
-        std::size_t added = 0;
-        for (unsigned round = 0; round < max_rounds; ++round) {
+        std::size_t added = 0, fewest = std::numeric_limits<std::size_t>::max();
+        for (unsigned round = 0, vain = 0; round < max_rounds; ++round) {
             const SurfaceCells& cells = relaxation_->cells();
             const Remesh mesh = meshed();
             const std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
+            const auto count = static_cast<std::size_t>(std::ranges::count(bad, 1));
+            vain = count < fewest ? 0 : vain + 1;
+            if (vain == max_vain) return;
+            fewest = std::min(fewest, count);
             std::vector<double> far(bad.size(), -1);
             std::vector<std::int32_t> corners(bad.size(), -1);
             for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
@@ -253,8 +258,7 @@ private:
                 if (bad[piece] == 0) continue;
                 for (std::int64_t c = cells.polygon_offsets[p]; c < cells.polygon_offsets[p + 1]; ++c) {
                     const std::int32_t corner = cells.corners[at(c)];
-                    const double d =
-                        distance(place_of(cells.vertices, at(corner)), place_of(mesh.vertices, piece));
+                    const double d = distance(place_of(cells.vertices, at(corner)), place_of(mesh.vertices, piece));
                     if (d > far[piece]) far[piece] = d, corners[piece] = corner;
                 }
             }

@@ -153,8 +153,8 @@ private:
                 const Side in = parts_.before(p, c), out = parts_.sides[c];
                 const std::int32_t seed = parts_.seeds[p], triangle = parts_.triangles[p];
                 if (seed < in && seed < out)
-                    use(std::array{seed, in, out},
-                        std::array{pieces_[p], pieces_[parts_.find(triangle, in)], pieces_[parts_.find(triangle, out)]});
+                    use(std::array{seed, in, out}, std::array{pieces_[p], pieces_[parts_.find(triangle, in)],
+                                                              pieces_[parts_.find(triangle, out)]});
             }
     }
 

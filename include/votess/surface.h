@@ -29,13 +29,13 @@ VOTESS_API votess_status votess_surface_new(const double* points, size_t count, 
                                             const votess_surface_options* options, votess_surface** out);
 
 typedef struct votess_surface_lloyd_options {
-    uint32_t struct_size;  // set it to sizeof(votess_surface_lloyd_options); all other members may be 0
-    uint32_t threads;      // 0: one for each processor
-    const uint8_t* fixed;  // count, 1 for a point that does not move; NULL: all move
-    double tolerance;      // as SurfaceLloydOptions::tolerance
-    double mesh_tolerance;  // as TriangleMesh::tolerance
-    uint32_t steps;         // the maximum
-    int32_t merge;          // 1: vertices at equal places are one
+    uint32_t struct_size;               // set it to sizeof(votess_surface_lloyd_options); all other members may be 0
+    uint32_t threads;                   // 0: one for each processor
+    const uint8_t* fixed;               // count, 1 for a point that does not move; NULL: all move
+    double tolerance;                   // as SurfaceLloydOptions::tolerance
+    double mesh_tolerance;              // as TriangleMesh::tolerance
+    uint32_t steps;                     // the maximum
+    int32_t merge;                      // 1: vertices at equal places are one
     votess_progress_callback progress;  // may be NULL
     void* user;
 } votess_surface_lloyd_options;
@@ -47,19 +47,19 @@ VOTESS_API votess_status votess_surface_lloyd(const double* points, size_t count
                                               const votess_surface_lloyd_options* options, votess_surface** out);
 
 typedef struct votess_remesh_options {
-    uint32_t struct_size;   // set it to sizeof(votess_remesh_options)
-    uint32_t threads;       // 0: one for each processor
-    uint64_t rng_seed;      // of the first places
-    double sharp;           // degrees, above 0 up to 180; 0 means 40
-    double mesh_tolerance;  // as TriangleMesh::tolerance
-    uint32_t steps;         // of the relaxation
-    int32_t merge;          // 1: vertices at equal places are one
+    uint32_t struct_size;               // set it to sizeof(votess_remesh_options)
+    uint32_t threads;                   // 0: one for each processor
+    uint64_t rng_seed;                  // of the first places
+    double sharp;                       // degrees, above 0 up to 180; 0 means 40
+    double mesh_tolerance;              // as TriangleMesh::tolerance
+    uint32_t steps;                     // of the relaxation
+    int32_t merge;                      // 1: vertices at equal places are one
     votess_progress_callback progress;  // may be NULL
     void* user;
 } votess_remesh_options;
 
-// Makes a mesh as remesh() does, of about count vertices. options: NULL for the defaults of RemeshOptions. Further arrays
-// are members of Remesh: mesh_vertices, mesh_triangles, points, step_energies and mesh_faults.
+// Makes a mesh as remesh() does, of about count vertices. options: NULL for the defaults of RemeshOptions. Further
+// arrays are members of Remesh: mesh_vertices, mesh_triangles, points, step_energies and mesh_faults.
 VOTESS_API votess_status votess_surface_remesh(size_t count, const double* vertices, size_t vertex_count,
                                                const int32_t* triangles, size_t triangle_count,
                                                const votess_remesh_options* options, votess_surface** out);

@@ -56,8 +56,8 @@ struct VOTESS_API SurfaceCells {
     // first meet on it.
     std::vector<std::int32_t> dual;         // 3 times their number: seeds, the lowest first
     std::vector<std::int32_t> dual_counts;  // places where these cells meet
-    // The same with each connected part as a vertex of its own, by the numbers of polygon_pieces. Where cells lie on both
-    // sides of a thin plate, the dual has both sides too.
+    // The same with each connected part as a vertex of its own, by the numbers of polygon_pieces. Where cells lie on
+    // both sides of a thin plate, the dual has both sides too.
     std::vector<std::int32_t> piece_dual;
     std::vector<std::int32_t> piece_dual_counts;
 
@@ -120,8 +120,8 @@ struct VOTESS_API Remesh {
     std::vector<double> energies;         // before the first step of the relaxation, and after each
     double min_angle = 0;                 // degrees, of all triangles
     double mean_min_angle = 0;            // degrees: the mean of the smallest angle of each triangle
-    // The largest distance found between the two meshes: from corners of the polygons of `cells`, and from the middles of
-    // the triangles and of their sides.
+    // The largest distance found between the two meshes: from corners of the polygons of `cells`, and from the middles
+    // of the triangles and of their sides.
     double distance = 0;
     std::size_t border_edges = 0;   // of one triangle
     std::size_t crowded_edges = 0;  // of more than two
@@ -132,11 +132,11 @@ struct VOTESS_API Remesh {
 
 // Returns a mesh of well-shaped triangles with about `count` vertices: exactly so many, unless parts of the surface are
 // thinner than the triangles are long. Random places are relaxed by lloyd_on_surface(), and joined by the dual of
-// connected parts. Seeds whose cells hold a stretch of a border or of a sharp edge move along it, and one goes to each of
-// their corners. So the mesh ends where the surface does, up to the size of its triangles. Where cells fall into several
-// parts, fewer seeds make the same number of vertices. Where the mesh would differ from the surface, as around thin
-// bars, seeds are added. The same on any number of threads. Throws as surface_cells(); and invalid_argument for
-// a count of 0 or of more than 2^28, and for a bad angle.
+// connected parts. Seeds whose cells hold a stretch of a border or of a sharp edge move along it, and one goes to each
+// of their corners. So the mesh ends where the surface does, up to the size of its triangles. Where cells fall into
+// several parts, fewer seeds make the same number of vertices. Where the mesh would differ from the surface, as around
+// thin bars, seeds are added. The same on any number of threads. Throws as surface_cells(); and invalid_argument for a
+// count of 0 or of more than 2^28, and for a bad angle.
 [[nodiscard]] VOTESS_API Remesh remesh(const TriangleMesh& surface, std::size_t count,
                                        const RemeshOptions& options = {});
 

@@ -226,8 +226,7 @@ TEST_CASE("surface: places on it, and refusals of a mesh") {
         return "";
     };
     CHECK(message(0) == "the number of vertices is 0: give at least 1");
-    CHECK(message(2147483647) ==
-          "the number of vertices is 2147483647, which is too many: give at most 268435456");
+    CHECK(message(2147483647) == "the number of vertices is 2147483647, which is too many: give at most 268435456");
     CHECK(message(5, {.sharp = 0}) == "RemeshOptions::sharp is 0: give an angle above 0, up to 180 degrees");
     CHECK_THROWS_AS((void)votess::remesh(square.view(), 500, {.progress = [](double) { return false; }}),
                     votess::Error);

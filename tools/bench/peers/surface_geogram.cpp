@@ -11,6 +11,7 @@
 #include <geogram/voronoi/RVD_callback.h>
 #include <geogram/voronoi/generic_RVD.h>
 
+#include <algorithm>
 #include <ctime>
 #include <vector>
 
@@ -33,8 +34,7 @@ void fill(GEO::Mesh& mesh, const double* vertices, int vertex_count, const int* 
     mesh.vertices.set_dimension(3);
     mesh.vertices.create_vertices(GEO::index_t(vertex_count));
     for (int v = 0; v < vertex_count; ++v)
-        for (int k = 0; k < 3; ++k)
-            mesh.vertices.point_ptr(GEO::index_t(v))[k] = vertices[3 * v + k];
+        for (int k = 0; k < 3; ++k) mesh.vertices.point_ptr(GEO::index_t(v))[k] = vertices[3 * v + k];
     for (int t = 0; t < triangle_count; ++t)
         mesh.facets.create_triangle(GEO::index_t(triangles[3 * t]), GEO::index_t(triangles[3 * t + 1]),
                                     GEO::index_t(triangles[3 * t + 2]));
@@ -45,6 +45,7 @@ class Areas : public GEO::RVDPolygonCallback {
 public:
     explicit Areas(double* areas) : areas_(areas) {}
     void operator()(GEO::index_t v, GEO::index_t, const GEOGen::Polygon& polygon) const override {
+        if (polygon.nb_vertices() < 3) return;
         const GEO::vec3 a(polygon.vertex(0).point());
         for (GEO::index_t i = 1; i + 1 < polygon.nb_vertices(); ++i)
             areas_[v] += 0.5 * GEO::length(GEO::cross(GEO::vec3(polygon.vertex(i).point()) - a,
@@ -66,18 +67,16 @@ std::vector<int> made_triangles;
 
 }  // namespace
 
-// Returns the seconds of the CPU for the areas of the cells of `count` points. algorithm: "NN" or "BDEL".
+// Returns the seconds of the CPU for the areas of the cells of `count` points, with signs in double.
 extern "C" double geogram_areas(const double* points, int count, const double* vertices, int vertex_count,
-                                const int* triangles, int triangle_count, const char* algorithm, int exact,
-                                double* areas) {
+                                const int* triangles, int triangle_count, double* areas) {
     begin();
     GEO::Mesh mesh;
     fill(mesh, vertices, vertex_count, triangles, triangle_count);
     const double began = seconds();
-    GEO::Delaunay_var delaunay = GEO::Delaunay::create(3, algorithm);
+    GEO::Delaunay_var delaunay = GEO::Delaunay::create(3, "NN");
     GEO::RestrictedVoronoiDiagram_var cells = GEO::RestrictedVoronoiDiagram::create(delaunay, &mesh);
     cells->set_volumetric(false);
-    cells->set_exact_predicates(exact != 0);
     delaunay->set_vertices(GEO::index_t(count), points);
     Areas callback(areas);
     cells->for_each_polygon(callback, false, false, false);
