@@ -27,6 +27,7 @@ constexpr std::size_t kept_owners = 32;
 constexpr double first_band = 0.8;      // of the squared reach expected
 constexpr double smallest_band = 0.01;  // of the squared distance that the window covers
 constexpr double band_growth = 1.6;     // of the squared distance from band to band
+constexpr std::size_t enough_for_walls = 12;  // planes, of which six bound the domain
 constexpr std::size_t max_idle = 24;    // seeds in a row that do not cut a cell that reaches far beyond them
 constexpr double far_beyond = 16;       // times the squared distance
 constexpr int cuts_in_a_row = 16, large_cell = 512;  // slots; see clip_far()
@@ -486,7 +487,8 @@ double CellBuilder::clip_window() {
         }
         if (to <= from && covered_ < infinity) return from;
         from = clip_band(from, to, idle);
-        clip_walls();
+        // Many walls all cut a cell that few seeds have cut.
+        if (cell_.planes().size() >= enough_for_walls) clip_walls();
         if (from < to || from == infinity) return from;
         // Only a few seeds can be so heavy that they cut from beyond this. The weights of boxes lead to them.
         const double reach_of_most = equal_reach_squared();

@@ -59,17 +59,32 @@ void WallTree::build(std::span<Unit> walls, std::size_t node) {
     build(walls.subspan(first + 1), 2 * node + 2);
 }
 
+// The normals n of a node lie in a box, which reaches beyond the unit sphere by as much as it is wide. Near a round hull
+// of n walls it alone would leave sqrt(n) nodes to visit, instead of log(n). So they also lie in a cone: with the
+// middle m and the half diagonal r of the box, n.m = (1 + |m|^2 - |n - m|^2) / 2 >= (1 + |m|^2 - r^2) / 2. Over a cone,
+// n.x is largest on the side of x: |x| cos(angle of x - half angle), or |x| if x lies inside.
 bool WallTree::may_exclude(std::size_t node, const exact::Point& x, double tolerance) const {
+    constexpr double least_square = 0x1p-900;  // smaller ones have lost digits
     const Node& n = nodes_[node];
-    double most = 0, square = 0, size = std::abs(n.offset);
+    double most = 0, square = 0, along = 0, size = std::abs(n.offset), middle = 0, radius = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        const double from = x[k] - middle_[k];
+        const double from = x[k] - middle_[k], m = 0.5 * (n.lower[k] + n.upper[k]), r = 0.5 * (n.upper[k] - n.lower[k]);
         most += std::max(n.lower[k] * from, n.upper[k] * from);
         square += from * from;
+        along += m * from;
+        middle += m * m;
+        radius += r * r;
         size += std::abs(x[k]) + std::abs(middle_[k]);
     }
-    const double nearest = n.offset - (2 * tolerance + error_ + 16 * unit_roundoff * size);
-    return !(most < nearest || (nearest > 0 && square < nearest * nearest));  // also if a number is not finite
+    const double nearest = n.offset - (2 * tolerance + error_ + 32 * unit_roundoff * size);
+    if (most < nearest) return false;
+    if (!(square > least_square && nearest > 0)) return true;  // also if a number is not finite
+    if (square < nearest * nearest) return false;
+    const double cosine = 0.5 * (1 + middle - radius) - 32 * unit_roundoff;  // of the half angle, times |m|
+    if (!(cosine > 0.5) || (along > 0 && along * along >= cosine * cosine * square)) return true;
+    const double sine = std::sqrt(std::max(0.0, middle - cosine * cosine) + 32 * unit_roundoff);
+    const double beside = std::sqrt(std::max(0.0, middle * square - along * along) + 32 * unit_roundoff * square);
+    return !(cosine * along + sine * beside < nearest * middle);
 }
 
 }  // namespace votess

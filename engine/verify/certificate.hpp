@@ -6,7 +6,8 @@
 //   1. P_i is bounded and has volume. Each plane that the row lists bounds it in a face of its own (check_cell());
 //   2. i lists j with a shift exactly if j lists i with the opposite shift (RowChecker), and the face of P_i with j is
 //      that of P_j with i;
-//   3. the volumes of all P_i sum to less than 1.5 times that of D (check_volume());
+//   3. the volumes of all P_i sum to less than 1.5 times that of D (check_volume()), or some place of D lies inside one
+//      P_i and outside of all others (is_covered_once());
 //   4. each seed without a cell lies outside of D, or at the place of an equal or heavier one, or some other seeds and
 //      walls leave it no volume (check_other(), check_hidden()).
 // Then the rows are right. Proof. Follow a path in D that meets no edge of any P_i. By 1 and 2 it leaves one P_i
@@ -62,6 +63,7 @@ private:
         std::vector<std::uint64_t> sums;  // of names of corners, by bucket
         std::uint64_t polygons = 0;       // sum over both sides of all faces
         double volume = 0, doubt = 0;
+        std::size_t covering = 0;  // cells that may hold the place of is_covered_once()
         Fault fault, unsettled;
         std::int32_t owner = -1;  // a live seed from which to look for others
         struct PlaneName {
@@ -106,7 +108,9 @@ private:
                                                       RowPolytope::Name& best) const;
     template <class Visit>
     void for_neighbors(const RowPolytope::Name& of, const Visit& visit) const;
-    void check_volume(Worker& sum) const;
+    void check_volume(Worker& sum);
+    [[nodiscard]] bool is_covered_once();
+    [[nodiscard]] std::optional<std::size_t> find_place(Vector3& place);
     static void unsettle(Worker& w, std::size_t i, const char* why);
 
     const CheckedRun& run_;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <numeric>
 #include <set>
 
 #include "core/arithmetic.hpp"
@@ -11,7 +11,8 @@
 namespace votess {
 namespace {
 
-constexpr int max_sure_planes = 512, max_exact_planes = 30000, max_tried_planes = 40;
+constexpr int max_sure_planes = 512, max_exact_planes = 1000000, max_tried_planes = 40;
+constexpr std::size_t block_size = 64;
 constexpr double filter_bound = 0x1p-45;
 constexpr double underflow = 0x1p-960;
 
@@ -23,6 +24,10 @@ bool is_ordinary(const RoundedPlane& plane) {
 }
 
 }  // namespace
+
+double RowPolytope::doubt_of(const RoundedPlane& plane, double length) {
+    return filter_bound * (plane.length * length + plane.size) + underflow;
+}
 
 void RowPolytope::begin(std::size_t seed, double length) {
     constexpr double usual = 0x1p40;
@@ -230,8 +235,85 @@ int RowPolytope::orientation(int a, int b, int c) {
     return exact::orientation(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)]);
 }
 
-// Makes the corner of three planes that meet in a point. Returns a plane that cuts it off, or -1 and all planes through
-// it.
+// Sorts many planes into blocks, halving them by the coordinate of normals that varies most. A wall has any length of
+// normal: the seed's mirror image gives one that suits its distance.
+void RowPolytope::make_blocks() {
+    blocks_.clear();
+    if (planes() <= max_sure_planes) return;
+    std::vector<Vector3> normals;
+    std::vector<double> scales(at(planes()), 1);
+    for (int f = 0; f < planes(); ++f) {
+        const double square = length_[at(f)] * length_[at(f)], scale = 2 * d_[at(f)] / square;
+        if (name(f).id < 0 && scale > least_length && scale < largest_length) scales[at(f)] = scale;
+        normals.push_back(normal(f));
+        for (double& x : normals.back()) x *= scales[at(f)];
+    }
+    blocks_order_.resize(at(planes()));
+    std::iota(blocks_order_.begin(), blocks_order_.end(), 0);
+    const auto add = [&](const auto& self, std::size_t begin, std::size_t end) -> void {
+        Block block{normals[at(blocks_order_[begin])], normals[at(blocks_order_[begin])], infinity, 0, 0, 0, begin, end};
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t f = at(blocks_order_[k]);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                block.lower[axis] = std::min(block.lower[axis], normals[f][axis]);
+                block.upper[axis] = std::max(block.upper[axis], normals[f][axis]);
+            }
+            const double square = dot(normals[f], normals[f]), c = scales[f] * d_[f] - 0.5 * square;
+            block.least_c = std::min(block.least_c, c);
+            block.length = std::max(block.length, scales[f] * length_[f]);
+            block.size = std::max(block.size, scales[f] * size_[f]);
+            block.far = std::max(block.far, square + std::abs(c));
+        }
+        if (end - begin <= block_size) return blocks_.push_back(block);
+        std::size_t widest = 0;
+        for (std::size_t k = 1; k < 3; ++k)
+            if (block.upper[k] - block.lower[k] > block.upper[widest] - block.lower[widest]) widest = k;
+        const auto first = blocks_order_.begin();
+        const std::size_t middle = begin + (end - begin) / 2;
+        std::nth_element(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(middle),
+                         first + static_cast<std::ptrdiff_t>(end),
+                         [&](int f, int g) { return normals[at(f)][widest] < normals[at(g)][widest]; });
+        self(self, begin, middle);
+        self(self, middle, end);
+    };
+    add(add, 0, blocks_order_.size());
+}
+
+// Visits all planes that a corner is not certainly inside of, and others.
+template <class Visit>
+void RowPolytope::for_planes_near(const Corner& corner, const Visit& visit) const {
+    if (blocks_.empty()) {
+        for (int f = 0; f < planes(); ++f) visit(f);
+        return;
+    }
+    constexpr double rounding = 0x1p-47;
+    const double square = dot(corner.at, corner.at);
+    for (const Block& block : blocks_) {
+        double from_box = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = corner.at[k], beside = std::max({block.lower[k] - x, x - block.upper[k], 0.0});
+            from_box += beside * beside;
+        }
+        const double slack = 0.5 * (from_box - square) + block.least_c - rounding * (square + block.far);
+        if (slack > corner.slope * block.length + corner.constant * block.size + underflow) continue;
+        for (std::size_t k = block.begin; k < block.end; ++k) visit(blocks_order_[k]);
+    }
+}
+
+// Returns a plane that a ray in planes a and b meets early, or -1: of many planes, the first among one of each block.
+int RowPolytope::guess_end(const Vector3& from, const Vector3& along, int a, int b) {
+    double first = infinity;
+    int found = -1;
+    for (const Block& block : blocks_) {
+        const int f = blocks_order_[block.begin];
+        const double speed = dot(normal(f), along), slack = d_[at(f)] - dot(normal(f), from);
+        if (f != a && f != b && speed > 0 && slack < first * speed) first = slack / speed, found = f;
+    }
+    return found >= 0 ? found : first_hit(from, along, a, b).plane;
+}
+
+// Makes the corner of three planes that meet in a point. Returns the plane that cuts off the most beside it, or -1 and
+// all planes through it.
 int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& through) {
     if (!meet(a, b, c, corner) && !meet(a, c, b, corner)) {
         corner.error = corner.slope = corner.constant = infinity;
@@ -245,26 +327,32 @@ int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& th
         corner.error = 0x1p-51 * length3(corner.at[0], corner.at[1], corner.at[2]);
     }
     through.clear();
-    for (int f = 0; f < planes(); ++f) {
+    int deepest = -1;
+    double depth = 0;
+    for_planes_near(corner, [&](int f) {
         int sign = 0;
         if (f != a && f != b && f != c) {
             const double slack = d_[at(f)] - dot(normal(f), corner.at),
                          bound = corner.slope * length_[at(f)] + corner.constant * size_[at(f)] + underflow;
-            if (slack > bound) continue;
-            sign = slack < -bound ? 1 : exact::side_of_vertex(planes_.seed(seed_), pa, pb, pc, source(f));
+            const bool certain = slack < -bound;
+            if (slack > bound || (deepest >= 0 && !certain)) return;
+            sign = certain ? 1 : exact::side_of_vertex(planes_.seed(seed_), pa, pb, pc, source(f));
+            const double beyond = -slack / length_[at(f)];
+            if (sign > 0 && (deepest < 0 || beyond > depth)) deepest = f, depth = beyond;
         }
-        if (sign > 0) return f;
         if (sign == 0) through.push_back(f);
-    }
-    return -1;
+    });
+    std::ranges::sort(through);
+    return deepest;
 }
 
 int RowPolytope::corner_of(const Corner& corner, const std::vector<int>& through) {
-    const auto known = std::ranges::find(tight_, through);
-    if (known != tight_.end()) return static_cast<int>(known - tight_.begin());
-    corners_.push_back(corner);
-    tight_.push_back(through);
-    return static_cast<int>(tight_.size()) - 1;
+    const auto [known, is_new] = corner_through_.emplace(through, static_cast<int>(tight_.size()));
+    if (is_new) {
+        corners_.push_back(corner);
+        tight_.push_back(through);
+    }
+    return known->second;
 }
 
 // Makes the first corner from three planes that may meet in one.
@@ -299,7 +387,7 @@ int RowPolytope::end_of_edge(int from, int a, int b, int sign) {
     const Vector3 turn = cross(normal(a), normal(b));
     const Vector3 along{sign * turn[0], sign * turn[1], sign * turn[2]};
     const auto ends = [&](int c) { return sign * orientation(a, b, c) > 0; };
-    int c = first_hit(corners_[at(from)].at, along, a, b).plane;
+    int c = guess_end(corners_[at(from)].at, along, a, b);
     if (c < 0 || !ends(c)) {
         c = 0;
         while (c < planes() && (c == a || c == b || !ends(c))) ++c;
@@ -316,8 +404,10 @@ RowPolytope::Shape RowPolytope::wrap_exactly() {
     corners_.clear();
     edges_.clear();
     tight_.clear();
+    corner_through_.clear();
     rays_.clear();
     faces_.assign(names_.size(), 0);
+    make_blocks();
     if (planes() > max_exact_planes || !find_start()) return Shape::unsettled;
     std::set<std::vector<int>> known;
     for (int v = 0; v < static_cast<int>(corners_.size()); ++v) {

@@ -8,6 +8,10 @@
 // With three planes at each corner this needs sure signs only. Otherwise wrap_exactly() takes exact ones. A corner is
 // then named by all planes through it, and its edges are the rays along two of them that leave none.
 //
+// Polytopes of many planes keep these in blocks of near normals. With c = d - |n|^2 / 2 a plane lies beyond x by
+// 2 (d - n.x) = |x - n|^2 - |x|^2 + 2 c, so one distance from a box of normals settles most blocks. A corner then
+// looks at few planes, instead of all.
+//
 // Filter. Cramer's rule gives a corner x = X / W, W = det(na, nb, nc). Let m = |na||nb||nc|, K = m / W and
 // s = sum |d| / |n| over a, b, c, with sizes of d for |d|. All terms of X are at most 1.16 m s (Carlen, Lieb, Loss
 // 2006), and those of n.X - d W at most 1.16 m (s |n| + |d|). Errors of the four planes add 8 u each, and rounding adds
@@ -17,6 +21,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -62,6 +67,10 @@ public:
     };
 
     explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}
+
+    // Returns a bound on the rounding of n.x - d of a plane, where x is the rounded difference of a place and the seed.
+    // length: of x.
+    [[nodiscard]] static double doubt_of(const RoundedPlane& plane, double length);
 
     // length: of a typical bisector. Extreme ones set unit().
     void begin(std::size_t seed, double length);
@@ -112,6 +121,10 @@ private:
         return {nx_.data(), ny_.data(), nz_.data(), d_.data(), length_.data(), size_.data(), d_.size()};
     }
     [[nodiscard]] Hit first_hit(const Vector3& from, const Vector3& along, int a, int b);
+    void make_blocks();
+    template <class Visit>
+    void for_planes_near(const Corner& corner, const Visit& visit) const;
+    [[nodiscard]] int guess_end(const Vector3& from, const Vector3& along, int a, int b);
     [[nodiscard]] bool guess_start(std::array<int, 3>& planes);
     [[nodiscard]] bool guess_from(int a, std::array<int, 3>& planes);
     [[nodiscard]] int place(int a, int b, int c, Corner& corner, std::vector<int>& through);
@@ -140,6 +153,16 @@ private:
     };
     std::vector<Half> waiting_;
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
+    std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes
+    struct Block {
+        Vector3 lower, upper;    // of normals
+        double least_c;          // as above
+        double length, size;     // the largest of its planes
+        double far;              // bound on |n|^2 + |c|
+        std::size_t begin, end;  // of its planes, in blocks_order_
+    };
+    std::vector<Block> blocks_;      // empty if planes are few
+    std::vector<int> blocks_order_;  // planes
     struct Ray {                           // an edge, by all planes that hold it
         int from, to;
         std::vector<int> planes;

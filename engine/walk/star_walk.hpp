@@ -315,11 +315,10 @@ private:
     };
     void collect_near_walls(const Box& home, double reach);
     bool add_near_walls();
+    const Wall* find_nearest_of_many(double within, double& next);
     // These return false if the clipper must decide.
     bool add_wall(const Wall& wall);
     [[gnu::noinline]] bool add_nearest_wall();
-    template <class Visit>
-    void for_walls_at(const Four& x, double length2, bool near, Visit visit);
     [[gnu::noinline]] bool add_wall_before(const Four& x, double length2, bool near, const Wide& along, int& added);
     [[nodiscard]] double distance_to(const Wall& wall) const;
     void wall_plane(std::int32_t id, Four& n, double& h);
@@ -338,8 +337,9 @@ private:
     const Domain* domain_ = nullptr;
     std::vector<Wall> walls_;
     std::vector<std::int32_t> wall_places_;  // by -1 - id: in walls_, or -1
-    std::vector<NearWall> near_walls_;       // of the seeds of the window's home
+    std::vector<NearWall> near_walls_;       // of the seeds of the window's home, without those of the tree
     std::vector<std::uint32_t> wall_nodes_;  // scratch
+    double wall_error_ = 0;                  // the largest of all walls
     bool any_rough_ = false;                 // images, see SeedImages
     bool moved_ = false;                     // the seed has been shifted from its input place
     bool weighted_ = false;

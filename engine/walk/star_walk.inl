@@ -1723,6 +1723,7 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
     tilt_length_ = weight_rounding_ = 0;
     plain_ = !weighted_ && seeds_.images == nullptr;
     walls_.clear();
+    wall_error_ = 0;
     wall_places_.assign(6 + domain.walls.size(), -1);
     double size = largest_coordinate(domain.box);
     for (int k = 0; k < 3; ++k) size = std::max(size, std::abs(domain.origin[k]));
@@ -1745,6 +1746,7 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
             wall.normal.x[axis] = of_box % 2 == 0 ? -1 : 1;
             wall.offset = of_box % 2 == 0 ? -domain.box.lower[axis] : domain.box.upper[axis];
         }
+        wall_error_ = std::max(wall_error_, wall.error);
         walls_.push_back(wall);
     }
 }
@@ -1762,7 +1764,8 @@ double StarWalk<Isa>::distance_to(const Wall& wall) const {
 template <class Isa>
 void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
     near_walls_.clear();
-    for (std::size_t w = 0; w < walls_.size(); ++w) {
+    const std::size_t few = walls_.size() - domain_->wall_tree.size();
+    for (std::size_t w = 0; w < few; ++w) {
         const auto& n = walls_[w].normal.x;
         double farthest = 0;
         for (int k = 0; k < 3; ++k) farthest += n[k] * (n[k] > 0 ? home.upper[k] : home.lower[k]);
@@ -1776,27 +1779,50 @@ template <class Isa>
 bool StarWalk<Isa>::add_near_walls() {
     const double reach = longest_;  // before the walls lengthen it
     candidates_.near = 0;
-    const std::size_t few = walls_.size() - domain_->wall_tree.size();
-    double nearest = std::numeric_limits<double>::infinity(), next = nearest;  // of many walls
-    const Wall* at = nullptr;
     for (NearWall& near : near_walls_) {
         const Wall& wall = walls_[near.wall];
         near.distance = distance_to(wall);
-        const bool in_reach = 2 * near.distance * scale_ * (1 - margin) < reach;
-        if (near.wall < few) {
-            if (in_reach && !add_wall(wall)) return false;
-        } else if (in_reach && near.distance < nearest) {
-            next = std::exchange(nearest, near.distance);
-            at = &wall;
-        } else {
-            next = std::min(next, near.distance);
-        }
+        if (2 * near.distance * scale_ * (1 - margin) < reach && !add_wall(wall)) return false;
     }
-    if (at != nullptr && !add_wall(*at)) return false;
+    double next = std::numeric_limits<double>::infinity();
+    if (domain_->wall_tree.size() > 0) {
+        const Wall* const nearest = find_nearest_of_many(reach / (2 * scale_ * (1 - margin)), next);
+        if (nearest != nullptr && !add_wall(*nearest)) return false;
+    }
     const double within = std::max(0.0, 2 * next * scale_ * (1 - margin));
     walls_within2_ = within * within;
     near_walls_end_ = candidates_.count;
     return true;
+}
+
+// Returns the nearest of many walls, or null if none is within a distance. next: set to a bound below the distances of
+// all others.
+template <class Isa>
+const typename StarWalk<Isa>::Wall* StarWalk<Isa>::find_nearest_of_many(double within, double& next) {
+    const WallTree& tree = domain_->wall_tree;
+    const std::size_t first = walls_.size() - tree.size();
+    const Wall* found = nullptr;
+    double nearest = next = within;
+    const exact::Point seed{p_[0], p_[1], p_[2]};
+    const auto wall_of_node = [&](std::size_t node) -> const Wall& { return walls_[first + tree.wall(node)]; };
+    wall_nodes_.assign(1, 0);
+    while (!wall_nodes_.empty()) {
+        const std::size_t node = wall_nodes_.back();
+        wall_nodes_.pop_back();
+        if (!tree.may_exclude(node, seed, 0.5 * std::max(0.0, next) + wall_error_ + tilt_length_)) continue;
+        const Wall& wall = wall_of_node(node);
+        if (const double distance = distance_to(wall); distance < nearest)
+            next = std::exchange(nearest, distance), found = &wall;
+        else
+            next = std::min(next, distance);
+        std::size_t later = 2 * node + 1, sooner = later + 1;
+        if (later >= tree.size()) continue;
+        if (sooner < tree.size() && distance_to(wall_of_node(later)) < distance_to(wall_of_node(sooner)))
+            std::swap(later, sooner);
+        for (const std::size_t child : {later, sooner})
+            if (child < tree.size()) wall_nodes_.push_back(static_cast<std::uint32_t>(child));
+    }
+    return found;
 }
 
 // Returns false also if the wall may be one plane with another. The first then has the face, which the clipper decides
@@ -1831,55 +1857,58 @@ bool StarWalk<Isa>::add_nearest_wall() {
     return nearest != walls_.end() && add_wall(*nearest);  // a periodic domain has no walls
 }
 
-// Calls visit(wall, distance) for all walls that may cut off or touch a vertex x, and others. near: the vertex is
-// within the reach of the window.
-template <class Isa>
-template <class Visit>
-void StarWalk<Isa>::for_walls_at(const Four& x, double length2, bool near, Visit visit) {
-    if (near) {
-        for (const NearWall& wall : near_walls_) visit(walls_[wall.wall], wall.distance);
-        return;
-    }
-    const WallTree& tree = domain_->wall_tree;
-    const std::size_t first = walls_.size() - tree.size();
-    for (std::size_t w = 0; w < first; ++w) visit(walls_[w], distance_to(walls_[w]));
-    if (tree.size() == 0) return;
-    exact::Point place;
-    double size = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double offset = (x.x[k] - move_.x[k]) * unscale_;
-        place[static_cast<std::size_t>(k)] = p_[k] + offset;
-        size += std::abs(p_[k]) + std::abs(offset);
-    }
-    const double tolerance = in_places(2 * margin * std::sqrt(length2), size);
-    wall_nodes_.assign(1, 0);
-    while (!wall_nodes_.empty()) {
-        const std::size_t node = wall_nodes_.back();
-        wall_nodes_.pop_back();
-        if (!tree.may_exclude(node, place, tolerance)) continue;
-        const Wall& wall = walls_[first + tree.wall(node)];
-        visit(wall, distance_to(wall));
-        for (std::size_t child = 2 * node + 1; child <= 2 * node + 2 && child < tree.size(); ++child)
-            wall_nodes_.push_back(static_cast<std::uint32_t>(child));
-    }
-}
-
 // Adds the wall that cuts an edge first, of those that may cut off or touch its vertex x and are no candidates, if
-// there is one. along: from the seed's side of these walls to x.
+// there is one. along: from the seed's side of these walls to x. near: the vertex is within the reach of the window.
+// Of many walls those are searched that may cut the edge before the first one so far.
 template <class Isa>
 bool StarWalk<Isa>::add_wall_before(const Four& x, double length2, bool near, const Wide& along, int& added) {
-    const double slack = 2 * margin * std::sqrt(length2);
+    constexpr double parallel = 0x1p40;
+    const double length = std::sqrt(length2), slack = 2 * margin * length;
     const Wall* first = nullptr;
     double farthest = 0;
-    for_walls_at(x, length2, near, [&](const Wall& wall, double distance) {
+    const auto is_before = [&](const Wall& wall, double distance) {
         const Wide& n = wide(wall.normal);
         const double beyond = dot(n, wide(x)) - distance * scale_ + slack;
-        if (!(beyond >= 0) || is_candidate(wall.id)) return;
+        if (!(beyond >= 0) || is_candidate(wall.id)) return false;
         const double from_wall = beyond / std::max(dot(n, along), std::numeric_limits<double>::min());
-        if (first != nullptr && from_wall <= farthest) return;
+        if (first != nullptr && from_wall <= farthest) return false;
         first = &wall;
         farthest = from_wall;
-    });
+        return true;
+    };
+    const WallTree& tree = domain_->wall_tree;
+    const std::size_t few = walls_.size() - tree.size();
+    if (near)
+        for (const NearWall& wall : near_walls_) (void)is_before(walls_[wall.wall], wall.distance);
+    else
+        for (std::size_t w = 0; w < few; ++w) (void)is_before(walls_[w], distance_to(walls_[w]));
+    if (tree.size() > 0) {
+        const double speed = std::sqrt(dot(along, along));
+        exact::Point place;
+        double tolerance = 0;
+        const auto go_to_first = [&] {  // returns false if nothing is before it
+            const double back = farthest * speed;
+            if (!(back < parallel * length)) return false;
+            double size = 0;
+            for (int k = 0; k < 3; ++k) {
+                const double offset = (x.x[k] - farthest * along[k] - move_.x[k]) * unscale_;
+                place[static_cast<std::size_t>(k)] = p_[k] + offset;
+                size += std::abs(p_[k]) + std::abs(offset);
+            }
+            tolerance = in_places(2 * margin * (length + back), size);
+            return true;
+        };
+        wall_nodes_.clear();
+        if (go_to_first()) wall_nodes_.push_back(0);
+        for (std::size_t k = 0; k < wall_nodes_.size(); ++k) {  // level by level, so that all directions come early
+            const std::size_t node = wall_nodes_[k];
+            if (!tree.may_exclude(node, place, tolerance)) continue;
+            const Wall& wall = walls_[few + tree.wall(node)];
+            if (is_before(wall, distance_to(wall)) && !go_to_first()) break;
+            for (std::size_t child = 2 * node + 1; child <= 2 * node + 2 && child < tree.size(); ++child)
+                wall_nodes_.push_back(static_cast<std::uint32_t>(child));
+        }
+    }
     if (first == nullptr) return true;
     ++added;
     return add_wall(*first);

@@ -18,7 +18,7 @@ class Judge {
 public:
     Judge(const votess::Tessellation& t, std::span<const double> points, const votess::Options& options)
         : t_(t), points_(points), options_(options), domain_(points, options) {
-        mpf_set_default_prec(digits);
+        mpf_set_default_prec(is_thin() ? many_digits : digits);
         find_duplicates();
     }
 
@@ -88,6 +88,15 @@ public:
     }
 
 private:
+    // Whether cells may be as thin as the least double. Their volumes are differences of numbers of order one.
+    bool is_thin() const {
+        const auto is_tiny = [](double x) { return x != 0 && std::abs(x) < 0x1p-200; };
+        bool thin = std::ranges::any_of(points_, is_tiny);
+        if (options_.box)
+            thin |= std::ranges::any_of(options_.box->lower, is_tiny) || std::ranges::any_of(options_.box->upper, is_tiny);
+        return thin;
+    }
+
     // The heaviest seed at a place has the cell, the first when there are several; those are its duplicates.
     void find_duplicates() {
         std::map<Integers, std::size_t, bool (*)(const Integers&, const Integers&)> best(

@@ -14,7 +14,7 @@
 
 namespace test {
 
-constexpr mp_bitcnt_t digits = 512;
+constexpr mp_bitcnt_t digits = 512, many_digits = 4096;
 
 using Real = mpf_class;
 using Reals = std::array<Real, 3>;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "domain/domain.hpp"
+#include "domain/wall_tree.hpp"
 #include "exact/vertex.hpp"
 #include "index/hierarchy.hpp"
 #include "index/lift.hpp"
@@ -422,5 +423,50 @@ TEST_SUITE("stages") {
         }
         CHECK(cuts > tried / 4);
         CHECK(tried > vertices);
+    }
+
+    // Places lie near the walls, where the tree has to look.
+    TEST_CASE("pruning: a tree over walls leaves no wall out, and looks at few of a round hull") {
+        test::Random random(71);
+        const auto direction = [&] {
+            Point n;
+            for (double& x : n) x = random.uniform(-1, 1);
+            return n;
+        };
+        for (const double flat : {1.0, 1e-3}) {
+            for (const std::size_t count : {33, 500, 8000}) {
+                CAPTURE(flat);
+                CAPTURE(count);
+                const Point middle{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+                std::vector<Plane> walls;
+                while (walls.size() < count) {
+                    const Point n = direction();
+                    const double length = std::hypot(n[0], n[1], n[2] * flat);  // of an ellipsoid
+                    double offset = length;
+                    for (std::size_t k = 0; k < 3; ++k) offset += n[k] * middle[k];
+                    walls.push_back(Plane::any_wall(n, offset));
+                }
+                const votess::WallTree tree(walls, middle);
+                std::size_t visited = 0;
+                constexpr std::size_t places = 40;
+                for (std::size_t i = 0; i < places; ++i) {
+                    Point x = direction();
+                    const double length = std::hypot(x[0], x[1], x[2]), r = 1 - std::ldexp(1, random.integer(-50, -8));
+                    for (std::size_t k = 0; k < 3; ++k) x[k] = middle[k] + x[k] / length * r * (k == 2 ? flat : 1);
+                    std::vector<bool> found(count);
+                    std::vector<std::size_t> nodes{0};
+                    for (std::size_t k = 0; k < nodes.size(); ++k) {
+                        if (!tree.may_exclude(nodes[k], x, 0)) continue;
+                        found[tree.wall(nodes[k])] = true;
+                        for (const std::size_t child : {2 * nodes[k] + 1, 2 * nodes[k] + 2})
+                            if (child < count) nodes.push_back(child);
+                    }
+                    visited += nodes.size();
+                    for (std::size_t w = 0; w < count; ++w)
+                        if (!found[w]) CHECK(votess::inside(walls[w], x));
+                }
+                if (flat == 1 && count == 8000) CHECK(visited < 150 * places);
+            }
+        }
     }
 }

@@ -797,6 +797,61 @@ TEST_SUITE("cases") {
         }
     }
 
+    // Sums of volumes have no digits there: places far away are rounded by more than the whole box is wide.
+    TEST_CASE("verify proves cells of domains that end on some sides") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        const test::PointSet set = test::uniform(120, 115);
+        test::Random random(116);
+        for (const bool planar : {false, true})
+            for (int endless = 1; endless < 8; ++endless)
+                for (const bool weighted : {false, true}) {
+                    CAPTURE(planar);
+                    CAPTURE(endless);
+                    CAPTURE(weighted);
+                    test::Coordinates points;
+                    for (std::size_t i = 0; i < set.points.size(); ++i)
+                        if (!planar || i % 3 < 2) points.push_back(set.points[i]);
+                    votess::Options options = rows_only();
+                    options.planar = planar;
+                    options.box = votess::Box{{0, 0, 0}, {1, 1, planar ? 0.0 : 1.0}};
+                    for (std::size_t k = 0; k < (planar ? 2 : 3); ++k) {
+                        if ((endless >> k & 1) == 0) continue;
+                        options.box->upper[k] = inf;
+                        if (random.chance(0.5)) options.box->lower[k] = -inf;
+                    }
+                    std::vector<double> weights;
+                    for (std::size_t i = 0; weighted && i < 120; ++i) weights.push_back(random.uniform(0, 0.02));
+                    options.weights = weights;
+                    const auto t = votess::tessellate(std::span<const double>(points), options);
+                    const votess::VerifyReport report = votess::verify(t, points);
+                    CHECK(report.failure == "");
+                    CHECK(report.unproven == "");
+                }
+    }
+
+    // Rows of more than 512 faces are looked through in blocks.
+    TEST_CASE("verify proves a cell of many faces, and finds what is wrong with it") {
+        test::Coordinates points{0, 0, 0};
+        test::Random random(117);
+        for (std::size_t i = 0; i < 900; ++i) {
+            std::array<double, 3> x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+            const double r = std::hypot(x[0], x[1], x[2]) * (i % 3 == 0 ? 1 : random.uniform(1, 1.0001));
+            for (const double c : x) points.push_back(c / r);
+        }
+        votess::Options options = rows_only();
+        options.box = test::cube(-2, 2);
+        options.want.faces = options.want.vertices = true;
+        const auto t = votess::tessellate(std::span<const double>(points), options);
+        REQUIRE(t.neighbors(0).size() > 512);
+        CHECK(votess::verify(t, points).proven);
+        for (std::size_t tries = 0; tries < 12; ++tries) {
+            test::Coordinates moved = points;
+            const std::size_t i = tries % 2 == 0 ? 0 : static_cast<std::size_t>(t.neighbors(0)[31 * tries]);
+            moved[3 * i + tries % 3] += tries % 2 == 0 ? 1e-3 : 0.01;
+            CHECK_FALSE(votess::verify(t, moved).passed);
+        }
+    }
+
     TEST_CASE("verify says why cells are not proven") {
         constexpr double inf = std::numeric_limits<double>::infinity();
         const test::PointSet set = test::uniform(60, 113);
@@ -849,8 +904,17 @@ TEST_SUITE("cases") {
         for (double& x : huge) x *= 1e110;  // volumes overflow
         options = plain();
         options.box = test::cube(0, 1e110);
+        const auto unbounded = votess::tessellate(std::span<const double>(huge), options);
+        CHECK(reason(unbounded, huge) == "");  // by a place that one cell covers
+        options.periodic = {true, true, true};
         CHECK(reason(votess::tessellate(std::span<const double>(huge), options), huge) ==
               "float64 cannot hold the volumes of the cells and the domain");
+        test::Coordinates coplanar = set.points;
+        for (std::size_t i = 0; i < coplanar.size(); i += 3) coplanar[i] = 0.5;
+        options = plain();
+        options.walls = {{{1, 0, 0}, 0.5}, {{-1, 0, 0}, -0.5}};  // they leave no volume
+        CHECK(reason(votess::tessellate(std::span<const double>(coplanar), options), coplanar) ==
+              "seed 0 has no cell, nor has any other");
         test::Coordinates twice = set.points;
         std::copy_n(twice.begin(), 3, twice.begin() + 3);
         const auto t = votess::tessellate(std::span<const double>(twice), plain());
