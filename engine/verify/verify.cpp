@@ -525,7 +525,7 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
         return nothing;
     }
     require(t, "verify");
-    const Result& result = detail::result_of(t.result_);
+    const Result& result = detail::result_of(t);
     require_points_of(t, result, points);
     VerifyReport report;
     report.failure = malformed(result);
