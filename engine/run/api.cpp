@@ -40,7 +40,7 @@ std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexc
 // A member of the result, under the same name.
 #define VOTESS_MEMBER(name, ...)                      \
     __VA_ARGS__ Tessellation::name() const noexcept { \
-        return detail::result_of(*this).name;       \
+        return detail::result_of(*this).name;         \
     }
 VOTESS_MEMBER(indptr, std::span<const std::int64_t>)
 VOTESS_MEMBER(indices, std::span<const std::int32_t>)

@@ -16,7 +16,7 @@ STRUCT = re.compile(r"^struct (\w*Options) \{\n(.*?)^\};", re.M | re.S)
 MEMBER = re.compile(r"^    [\w:<>, ]+[\w>] (\w+)(?: = [^;]+|\{[^;]*\})?;", re.M)
 # Messages with these words are not for users of options: the C interface names its own arguments.
 CALL = re.compile(r'(?<![\w"])option\("([\w.]+)"\)')
-LEFT_OUT = ("engine/c/", "engine/gpu/frames/", "engine/picture/", "engine/input/each_option.hpp", "engine/result/want_names.cpp",
+LEFT_OUT = ("engine/c/", "engine/gpu/frames/", "engine/picture/", "engine/input/each_option.hpp", "engine/input/want_names.cpp",
             "engine/core/clock")
 
 
