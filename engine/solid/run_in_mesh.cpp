@@ -212,7 +212,7 @@ private:
             const std::size_t r = order_[i];
             if (result_.status[r] != CellStatus::certified) continue;
             const Vector3 from = minus(place(seed_of(r)), middle);
-            distance = std::max(distance, length3(from[0], from[1], from[2]) + reach(r));
+            distance = std::max(distance, length3(from) + reach(r));
         }
         return mesh_.any_near(middle, distance);
     }
