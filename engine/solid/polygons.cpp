@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -22,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "core/at.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
@@ -37,7 +37,6 @@ using Id = std::int32_t;
 
 constexpr double of_size = 3e-5;            // rounding of files with 6 decimal digits, of the size of all
 constexpr double of_coordinates = 0x1p-22;  // rounding to float32
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 class PolygonCutter {
 public:

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/arithmetic.hpp"
+#include "core/at.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
@@ -21,10 +22,6 @@ using detail::Result;
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t rows_per_check = 4096;
-
-std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 std::span<const std::int32_t> polygon_of(const Result& r, std::size_t entry) {
     const std::span<const std::int32_t> all = r.face_vertices;
