@@ -75,9 +75,7 @@ void write_traced(OutputFile& file, const std::string& path, const votess::RayCe
 
 class Locate : public Query {
 public:
-    explicit Locate(const Arguments& arguments) : arguments_(arguments) {}
-    const char* stage() const override { return "locate"; }
-    const char* done() const override { return "located"; }
+    explicit Locate(const Arguments& arguments) : Query(arguments, "locate", "located") {}
     void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
         seeds_ = input.diagram.locate(input.queries.points, progress);
         outside_ += std::ranges::count(seeds_, -1);
@@ -88,16 +86,13 @@ public:
     std::vector<QueryCount> counts() const override { return {{"outside", "outside of the domain", outside_}}; }
 
 private:
-    const Arguments& arguments_;
     std::vector<std::int32_t> seeds_;
     std::ptrdiff_t outside_ = 0;
 };
 
 class Probe : public Query {
 public:
-    explicit Probe(const Arguments& arguments) : arguments_(arguments) {}
-    const char* stage() const override { return "probe"; }
-    const char* done() const override { return "probed"; }
+    explicit Probe(const Arguments& arguments) : Query(arguments, "probe", "probed") {}
     ReadRequest request(std::size_t) const override { return request_of_queries(arguments_); }
     void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
         for (const std::string& path : arguments_.outputs)
@@ -138,7 +133,6 @@ private:
         return statuses[static_cast<std::size_t>(&count - counts_.data())];
     }
 
-    const Arguments& arguments_;
     std::vector<double> sizes_;
     votess::Tessellation cells_;
     std::array<QueryCount, 3> counts_{QueryCount{"outside", "outside of the domain"},
@@ -148,9 +142,7 @@ private:
 
 class Interpolate : public Query {
 public:
-    explicit Interpolate(const Arguments& arguments) : arguments_(arguments) {}
-    const char* stage() const override { return "interpolate"; }
-    const char* done() const override { return "interpolated"; }
+    explicit Interpolate(const Arguments& arguments) : Query(arguments, "interpolate", "interpolated") {}
     ReadRequest request(std::size_t) const override { return request_of_queries(arguments_); }
     void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
         const Values values = values_of(input.seeds.input, arguments_.has_weights ? 1 : 0);
@@ -172,7 +164,6 @@ public:
     std::vector<QueryCount> counts() const override { return {{"without", "without natural neighbors", without_}}; }
 
 private:
-    const Arguments& arguments_;
     std::vector<double> field_;
     std::size_t components_ = 1;
     std::ptrdiff_t without_ = 0;
@@ -180,9 +171,7 @@ private:
 
 class Trace : public Query {
 public:
-    explicit Trace(const Arguments& arguments) : arguments_(arguments) {}
-    const char* stage() const override { return "trace"; }
-    const char* done() const override { return "traced"; }
+    explicit Trace(const Arguments& arguments) : Query(arguments, "trace", "traced") {}
     ReadRequest request(std::size_t dimensions) const override {
         ReadRequest rays;
         rays.threads = arguments_.read.threads;
@@ -209,7 +198,6 @@ public:
     std::vector<QueryCount> counts() const override { return {{"without", "without cells", without_}}; }
 
 private:
-    const Arguments& arguments_;
     votess::RayCells cells_;
     std::ptrdiff_t without_ = 0;
 };

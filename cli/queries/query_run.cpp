@@ -113,7 +113,7 @@ private:
             query_->ask(input, callback);
             return 0;
         });
-        times_.end(query_->stage());
+        times_.end(query_->stage);
         ++frame_count_;
         points_ += input.diagram.size();
         asked_ += queries_.size();
@@ -138,7 +138,7 @@ private:
             return text + ", \"seconds\": " + times_.json() + "}\n";
         }
         if (arguments_.quiet || std::ranges::count(arguments_.outputs, "-") > 0) return "";
-        std::string text = query_->done();
+        std::string text = query_->done;
         text += arguments_.queries.empty() ? query_->note(false) + " from " : " " + queries + " queries among ";
         text += points + " seeds";
         if (arguments_.frames) text += " of " + frames + (frame_count_ == 1 ? " frame" : " frames");

@@ -34,10 +34,10 @@ struct QueryCount {
 // A query of the command line. Counts are sums over the frames of a run.
 class Query {
 public:
+    // stage: that answers. done: the word for it in the summary.
+    Query(const Arguments& given, const char* stage_name, const char* done_word)
+        : stage(stage_name), done(done_word), arguments_(given) {}
     virtual ~Query() = default;
-    // The stage that answers, and the word for it in the summary.
-    [[nodiscard]] virtual const char* stage() const = 0;
-    [[nodiscard]] virtual const char* done() const = 0;
     // Returns what to read from the file of the queries.
     [[nodiscard]] virtual ReadRequest request(std::size_t dimensions) const {
         (void)dimensions;
@@ -52,6 +52,12 @@ public:
         (void)json;
         return {};
     }
+
+    const char* const stage;
+    const char* const done;
+
+protected:
+    const Arguments& arguments_;
 };
 
 // Runs the query of the arguments on all frames. Returns the text to print: the summary or its JSON object; empty with

@@ -58,9 +58,8 @@ std::vector<std::string> names_of(const Input& seeds, std::size_t first_column) 
 
 class ToGrid : public Query {
 public:
-    explicit ToGrid(const Arguments& arguments) : arguments_(arguments), options_(*arguments.to_grid) {}
-    const char* stage() const override { return "grid"; }
-    const char* done() const override { return "a grid of "; }
+    explicit ToGrid(const Arguments& arguments)
+        : Query(arguments, "grid", "a grid of "), options_(*arguments.to_grid) {}
     void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
         const Input& seeds = input.seeds.input;
         options_ = *arguments_.to_grid;
@@ -111,7 +110,6 @@ private:
         return std::string(words_of(*find_option("--to-grid")).at(static_cast<std::size_t>(options_.method)));
     }
 
-    const Arguments& arguments_;
     votess::GridOptions options_;
     std::vector<double> numbers_;
     std::vector<std::string> names_;

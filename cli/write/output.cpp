@@ -15,7 +15,7 @@ namespace {
 
 struct Kind {
     std::string_view extension;
-    void (*write)(OutputFile&, const OutputData&);
+    void (*write)(OutputFile&, const OutputData&);  // null: write_solid()
     unsigned traits;
 };
 
@@ -37,15 +37,15 @@ constexpr std::array<Kind, 20> kinds{{{".txt", write_text, text_rows | rows},
                                       {".dump", write_dump, atoms},
                                       {".lammpstrj", write_dump, atoms},
                                       {".vtu", write_vtu, mesh | cell_pieces | input_columns},
-                                      {".ply", write_ply, solid},
-                                      {".obj", write_obj, solid | of_pieces},
+                                      {".ply", nullptr, solid},
+                                      {".obj", nullptr, solid | of_pieces},
                                       {".glb", write_glb, solid | of_pieces | cell_colors},
                                       {".foam", write_foam, solver | of_pieces | joined_pieces},
                                       {".tess", write_tess, solver},
-                                      {".msh", write_msh, solver | of_pieces | joined_pieces},
-                                      {".stl", write_stl, solver | of_pieces},
-                                      {".3mf", write_3mf, of_pieces},
-                                      {".geojson", write_geojson, cell_pieces}}};
+                                      {".msh", nullptr, solver | of_pieces | joined_pieces},
+                                      {".stl", nullptr, solver | of_pieces},
+                                      {".3mf", nullptr, of_pieces},
+                                      {".geojson", nullptr, cell_pieces}}};
 
 // Returns the kind of an output, or null. Text is the kind of stdout, and of a device or pipe without a known
 // extension.
@@ -248,7 +248,12 @@ void Outputs::add(const std::string& path, const OutputData& data) {
     const Kind& kind = *kind_of(path);
     if (output_has(path, species_column)) check_blanks(path, "species", data.input.species);
     if (kind.write != write_hdf5 || data.place == FramePlace::alone)
-        return add(path, [&](OutputFile& file) { kind.write(file, data); });
+        return add(path, [&](OutputFile& file) {
+            if (kind.write != nullptr)
+                kind.write(file, data);
+            else
+                write_solid(file, data, kind.extension.data());
+        });
     Shared& file = shared(path);
     if (!file.writer) file.writer = load_hdf5("cannot write HDF5").create_frames(file.file);
     file.writer->add(data);

@@ -145,14 +145,10 @@ void write_dump(OutputFile& file, const OutputData& data);
 [[nodiscard]] bool is_table_column(std::string_view name, bool planar);  // whether a table may hold one of that name
 void write_vtu(OutputFile& file, const OutputData& data);
 [[nodiscard]] bool is_vtu_array(std::string_view name);  // whether .vtu always holds an array of that name
-void write_ply(OutputFile& file, const OutputData& data);
-void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);
 void write_foam(OutputFile& file, const OutputData& data);
 void write_tess(OutputFile& file, const OutputData& data);
-void write_msh(OutputFile& file, const OutputData& data);
-void write_stl(OutputFile& file, const OutputData& data);
-void write_3mf(OutputFile& file, const OutputData& data);
-void write_geojson(OutputFile& file, const OutputData& data);
+// Cells, or in a mesh their pieces, in the other formats.
+void write_solid(OutputFile& file, const OutputData& data, const char* extension);
 
 }  // namespace clvotess

@@ -255,18 +255,9 @@ void write_vtu(OutputFile& file, const OutputData& data) {
     write(file, data, mesh, ".vtu");
 }
 
-void write_ply(OutputFile& file, const OutputData& data) {
-    write(file, data, mesh_of(data), ".ply");
-}
-
-void write_obj(OutputFile& file, const OutputData& data) {
-    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".obj");
-    write(file, data, mesh_of(data), ".obj");
-}
-
-void write_msh(OutputFile& file, const OutputData& data) {
-    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".msh");
-    write(file, data, mesh_of(data), ".msh");
+void write_solid(OutputFile& file, const OutputData& data, const char* extension) {
+    if (data.tessellation.in_mesh()) return write_pieces(file, data, extension);
+    write(file, data, mesh_of(data), extension);
 }
 
 void write_tess(OutputFile& file, const OutputData& data) {
@@ -288,19 +279,6 @@ void write_foam(OutputFile& file, const OutputData& data) {
     if (const votess_status status = votess_measure_mesh(&mesh, &quality); status != VOTESS_OK)
         throw_last_error(status, "");
     print_quality(file, quality);
-}
-
-void write_stl(OutputFile& file, const OutputData& data) {
-    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".stl");
-    write(file, data, mesh_of(data), ".stl");
-}
-
-void write_3mf(OutputFile& file, const OutputData& data) {
-    write_pieces(file, data, ".3mf");
-}
-
-void write_geojson(OutputFile& file, const OutputData& data) {
-    write_pieces(file, data, ".geojson");
 }
 
 void write_glb(OutputFile& file, const OutputData& data) {

@@ -797,7 +797,7 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
     auto& [vertices, edges, triangles, tetrahedra] = out.simplices;
     const auto highest_level = [&]<std::size_t D>(std::integral_constant<std::size_t, D>, AlphaSimplices& simplices) {
         const Delaunay dual = delaunay(diagram.tessellation);
-        Cutter<D> cutter(detail::result_of(diagram.tessellation.result_), dual, places);
+        Cutter<D> cutter(detail::result_of(diagram.tessellation), dual, places);
         return sorted_level<D>(cutter.cut(), seeds, places, simplices);
     };
     const auto add_faces = [&](Level<2>&& of_triangles, std::size_t max_edges) {

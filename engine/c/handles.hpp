@@ -282,7 +282,7 @@ struct NamedArray {
 // components: elements in a row.
 template <typename Elements>
 NamedArray named(const char* name, const Elements& elements, std::size_t components = 1) noexcept {
-    using Element = typename Elements::value_type;
+    using Element = std::remove_cvref_t<decltype(elements[0])>;
     constexpr char kind = std::is_floating_point_v<Element> ? 'f' : std::is_signed_v<Element> ? 'i' : 'u';
     static_assert(std::is_arithmetic_v<Element> || sizeof(Element) == 1);  // CellStatus
     return {name,

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "c/handles.hpp"
+#include "result/arrays.hpp"
+#include "result/handle.hpp"
 
 using namespace votess::c;
 
@@ -43,31 +45,14 @@ size_t votess_result_size(const votess_result* result) {
 votess_status votess_result_array(const votess_result* result, const char* name, votess_array* array) {
     return expose(result, "result", name, array, [](const votess_result& of) {
         const votess::Tessellation& t = of.tessellation;
-        const std::size_t d = dimensions_of(t);
+        std::vector<NamedArray> arrays;
+        votess::detail::for_shown_arrays([&](const auto& row) {
+            arrays.push_back(
+                named(row.name.data(), row.of(votess::detail::result_of(t)), components_of(row, t.planar())));
+        });
         const std::span<const double> walls(reinterpret_cast<const double*>(t.walls().data()), 4 * t.walls().size());
-        return std::array{named("indptr", t.indptr()),
-                          named("indices", t.indices()),
-                          named("shifts", t.shifts(), d),
-                          named("face_areas", t.face_areas()),
-                          named("face_normals", t.face_normals(), d),
-                          named("volumes", t.volumes()),
-                          named("centroids", t.centroids(), d),
-                          named("surface_areas", t.surface_areas()),
-                          named("mesh_areas", t.mesh_areas()),
-                          named("security_radii", t.security_radii()),
-                          named("face_counts", t.face_counts()),
-                          named("edge_counts", t.edge_counts()),
-                          named("vertex_counts", t.vertex_counts()),
-                          named("vertices", t.vertices(), d),
-                          named("cell_vertex_indptr", t.cell_vertex_indptr()),
-                          named("cell_vertex_indices", t.cell_vertex_indices()),
-                          named("face_offsets", t.face_offsets()),
-                          named("face_vertices", t.face_vertices()),
-                          named("status", t.status()),
-                          named("duplicate_of", t.duplicate_of()),
-                          named("ids", t.ids()),
-                          named("weights", t.weights()),
-                          named("walls", walls, 4)};
+        arrays.push_back(named("walls", walls, 4));
+        return arrays;
     });
 }
 

@@ -35,20 +35,6 @@ void ConvexPiece::add_polygon(std::span<const Vector> corners) {
     surface_.end_polygon();
 }
 
-void ConvexPiece::add_box(const Vector& lower, const Vector& upper) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-        std::array<Vector, 4> low{lower, lower, lower, lower};
-        low[1][i] = low[2][i] = upper[i];
-        low[2][j] = low[3][j] = upper[j];
-        std::array<Vector, 4> high = low;
-        for (Vector& corner : high) corner[k] = upper[k];
-        std::ranges::reverse(low);
-        add_polygon(low);
-        add_polygon(high);
-    }
-}
-
 ConvexPiece::Sides ConvexPiece::sides() const {
     Sides sides;
     for (const double beyond : beyond_) {

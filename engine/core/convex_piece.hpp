@@ -21,7 +21,6 @@ public:
     void clear();
     // Adds a bounding polygon, counterclockwise seen from outside.
     void add_polygon(std::span<const Vector> corners);
-    void add_box(const Vector& lower, const Vector& upper);
     // Copies all but the scratch.
     void assign(const ConvexPiece& other) { surface_ = other.surface_; }
     [[nodiscard]] bool empty() const { return surface_.ends.empty(); }

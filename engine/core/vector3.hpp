@@ -30,5 +30,8 @@ inline double length3(double x, double y, double z) {
     x /= largest, y /= largest, z /= largest;
     return largest * std::sqrt(x * x + y * y + z * z);
 }
+inline double length3(const Vector3& x) {
+    return length3(x[0], x[1], x[2]);
+}
 
 }  // namespace votess

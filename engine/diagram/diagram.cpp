@@ -48,14 +48,6 @@ Tessellation probe_in(DiagramState& state, std::span<const double> queries, cons
     return Tessellation(std::make_shared<const detail::Result>(std::move(cells)));
 }
 
-// Drops the last component of vectors with three.
-void make_flat(std::vector<double>& vectors) {
-    const std::size_t count = vectors.size() / 3;
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < 2; ++k) vectors[2 * i + k] = vectors[3 * i + k];
-    vectors.resize(2 * count);
-}
-
 }  // namespace
 
 std::shared_ptr<DiagramState> detail::make_state(const ProgressCallback& progress,
@@ -86,7 +78,7 @@ RayCells Diagram::trace(std::span<const double> origins, std::span<const double>
         RayCells cells = detail::trace(*state_, in_space(*state_, origins, "origins"),
                                        in_space(*state_, directions, "directions"), lengths, options.middles);
         cells.planar = planar();
-        if (planar()) make_flat(cells.middles);
+        if (planar()) cells.middles = out_of_sheet(cells.middles);
         return cells;
     });
 }
@@ -98,7 +90,7 @@ Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions&
 NaturalCoordinates Diagram::natural_neighbors(std::span<const double> queries, const NaturalOptions& options) const {
     return run(options.progress, [&] {
         NaturalCoordinates found = detail::natural_neighbors(*state_, in_space(*state_, queries, "queries"), options);
-        if (planar()) make_flat(found.gradients);
+        if (planar()) found.gradients = out_of_sheet(found.gradients);
         return found;
     });
 }
@@ -108,7 +100,7 @@ Interpolated Diagram::interpolate(std::span<const double> values, std::size_t co
     return run(options.progress, [&] {
         Interpolated found =
             detail::interpolate(*state_, values, components, in_space(*state_, queries, "queries"), options);
-        if (planar()) make_flat(found.gradients);
+        if (planar()) found.gradients = out_of_sheet(found.gradients);
         return found;
     });
 }

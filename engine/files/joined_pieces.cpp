@@ -60,10 +60,6 @@ private:
     std::vector<Id> parent_;
 };
 
-double norm(const Vector3& x) {
-    return length3(x[0], x[1], x[2]);
-}
-
 // Returns the distance up to which two corners are one.
 double tolerance_of(const Pieces& pieces) {
     double extent = 0, coordinate = 0;
@@ -209,7 +205,7 @@ private:
             add_sides(t, sides);
         }
         for (Vector3& n : normals) {
-            const double size = norm(n);
+            const double size = length3(n);
             for (double& x : n) x /= size > 0 ? size : 1;
         }
         std::ranges::sort(sides, {}, [](const TriangleSide& s) { return s.ends(); });
@@ -219,7 +215,7 @@ private:
             const Id one = -1 - triangles_[at(sides[i - 1].triangle)].source;
             const Id two = -1 - triangles_[at(sides[i].triangle)].source;
             const Vector3 &m = normals[at(one)], &n = normals[at(two)];
-            if (one != two && dot(m, n) > 0 && norm(cross(m, n)) <= same_direction) planes.join(one, two);
+            if (one != two && dot(m, n) > 0 && length3(cross(m, n)) <= same_direction) planes.join(one, two);
         }
         for (Triangle& t : triangles_)
             if (t.source < 0) t.source = -1 - planes.find(-1 - t.source);
@@ -331,7 +327,7 @@ private:
             if (v == from || v == to) continue;
             const Vector3 arm = step(from, v);
             const double share = dot(arm, along) / square;
-            if (share > 0 && share < 1 && norm(cross(arm, along)) <= room * std::sqrt(square))
+            if (share > 0 && share < 1 && length3(cross(arm, along)) <= room * std::sqrt(square))
                 found.emplace_back(share, v);
         }
         std::ranges::sort(found);
@@ -410,7 +406,7 @@ private:
             for (const Id t : region.triangles) {
                 const auto& [a, b, c] = triangles_[at(t)].corners;
                 const Vector3 normal = cross(step(a, b), step(a, c));
-                area += norm(normal) / 2;
+                area += length3(normal) / 2;
                 volumes[at(piece)] += dot(minus(point_of(vertices, at(a)), origin), normal) / 6;
             }
             areas[at(piece)] += area;
@@ -466,10 +462,10 @@ private:
             number[t] = static_cast<Id>(polygons.size());
             polygons.push_back({a, b, c});
         }
-        const double size = norm(normal);
+        const double size = length3(normal);
         for (double& n : normal) n /= size > 0 ? size : 1;
         std::vector<std::pair<double, Diagonal>> diagonals;
-        for (const Diagonal& d : region.diagonals) diagonals.emplace_back(-norm(step(d.from, d.to)), d);
+        for (const Diagonal& d : region.diagonals) diagonals.emplace_back(-length3(step(d.from, d.to)), d);
         std::ranges::stable_sort(diagonals, {}, [](const auto& d) { return d.first; });
         Sets sets(polygons.size());
         for (const auto& [_, d] : diagonals) {
@@ -498,7 +494,7 @@ private:
     [[nodiscard]] Vector3 step(Id a, Id b) const { return minus(point_of(vertices, at(b)), point_of(vertices, at(a))); }
     [[nodiscard]] bool is_convex(Id a, Id b, Id c, const Vector3& normal) const {
         const Vector3 in = step(a, b), out = step(b, c);
-        const double x = norm(in), y = norm(out);
+        const double x = length3(in), y = length3(out);
         return dot(normal, cross(in, out)) >= -same_direction * x * y - tolerance_ * (x + y);
     }
 

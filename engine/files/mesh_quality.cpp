@@ -13,10 +13,6 @@ constexpr double severe = 70, skew = 4;  // above which checkMesh counts a face
 Vector3 sum_of(const Vector3& a, const Vector3& b, double times = 1) {
     return {a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]};
 }
-double length(const Vector3& a) {
-    return length3(a[0], a[1], a[2]);
-}
-
 struct CellMeasures {
     std::vector<double> volumes;
     std::vector<Vector3> centers;
@@ -64,7 +60,7 @@ FaceMeasure measure_face(const SharedMesh& mesh, std::size_t face) {
         const Vector3 a = minus(minus(mesh.vertex(polygon[c]), origin), middle),
                       b = minus(minus(mesh.vertex(polygon[(c + 1) % polygon.size()]), origin), middle);
         const Vector3 area = cross(a, b);
-        const double size = length(area);
+        const double size = length3(area);
         result.area = sum_of(result.area, area, 0.5);
         result.center = sum_of(result.center, sum_of(a, b), size / 3);
         weight += size;
@@ -80,11 +76,11 @@ MeshQuality measure(const SharedMesh& mesh) {
     double least_edge = std::numeric_limits<double>::infinity(), least_area = least_edge, least_volume = least_edge;
     for (std::size_t f = 0; f < faces.size(); ++f) {
         faces[f] = measure_face(mesh, f);
-        least_area = std::min(least_area, length(faces[f].area));
+        least_area = std::min(least_area, length3(faces[f].area));
         const auto polygon = mesh.polygon(f);
         for (std::size_t c = 0; c < polygon.size(); ++c)
             least_edge = std::min(
-                least_edge, length(minus(mesh.vertex(polygon[c]), mesh.vertex(polygon[(c + 1) % polygon.size()]))));
+                least_edge, length3(minus(mesh.vertex(polygon[c]), mesh.vertex(polygon[(c + 1) % polygon.size()]))));
     }
     const CellMeasures cells = measure_cells(mesh, faces);
     for (const double volume : cells.volumes) {
@@ -99,7 +95,7 @@ MeshQuality measure(const SharedMesh& mesh) {
     // between: from the owner's center to the neighbor's, or to the wall along its normal.
     const auto add = [&](std::size_t f, const Vector3& between, bool is_inner) {
         const FaceMeasure& face = faces[f];
-        const double area = length(face.area), distance = length(between), along = dot(face.area, between);
+        const double area = length3(face.area), distance = length3(between), along = dot(face.area, between);
         if (!(along > 0)) {
             ++quality.wrong_faces;
             return;
@@ -113,7 +109,7 @@ MeshQuality measure(const SharedMesh& mesh) {
         }
         const Vector3 arm = minus(face.center, cells.centers[static_cast<std::size_t>(mesh.faces[f].owner)]);
         const Vector3 off = sum_of(arm, between, -dot(face.area, arm) / along);
-        const double off_length = length(off);
+        const double off_length = length3(off);
         double size = (is_inner ? 0.2 : 0.4) * distance;
         for (const std::int32_t v : mesh.polygon(f))
             if (off_length > 0)

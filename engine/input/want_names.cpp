@@ -3,9 +3,11 @@
 #include <array>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/errors.hpp"
 #include "core/text.hpp"
+#include "result/arrays.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
@@ -21,26 +23,15 @@ constexpr std::array words{Name{"neighbors", &Want::neighbors}, Name{"volumes", 
                            Name{"areas", &Want::areas},         Name{"normals", &Want::normals},
                            Name{"surfaces", &Want::surfaces},   Name{"radii", &Want::radii},
                            Name{"vertices", &Want::vertices},   Name{"faces", &Want::faces}};
-// Arrays whose name is not that of their group.
-constexpr std::array arrays{Name{"indptr", &Want::neighbors},
-                            Name{"indices", &Want::neighbors},
-                            Name{"shifts", &Want::neighbors},
-                            Name{"face_areas", &Want::areas},
-                            Name{"face_normals", &Want::normals},
-                            Name{"surface_areas", &Want::surfaces},
-                            Name{"mesh_areas", &Want::surfaces},
-                            Name{"security_radii", &Want::radii},
-                            Name{"face_counts", &Want::counts},
-                            Name{"edge_counts", &Want::counts},
-                            Name{"vertex_counts", &Want::counts},
-                            Name{"cell_vertices", &Want::vertices},
-                            Name{"cell_vertex_indptr", &Want::vertices},
-                            Name{"cell_vertex_indices", &Want::vertices},
-                            Name{"face_offsets", &Want::faces},
-                            Name{"face_vertices", &Want::faces},
-                            Name{"status", nullptr},
-                            Name{"duplicate_of", nullptr},
-                            Name{"ids", nullptr}};
+// Returns the arrays whose name is not that of their group. Weights are input, which nobody wants.
+std::vector<Name> named_arrays() {
+    std::vector<Name> arrays{{"cell_vertices", &Want::vertices}};
+    detail::for_shown_arrays([&](const auto& array) {
+        if (array.name != "weights" && std::ranges::find(words, array.name, &Name::name) == words.end())
+            arrays.push_back({array.name, array.word});
+    });
+    return arrays;
+}
 
 std::string list(const auto& names) {
     std::string text;
@@ -55,10 +46,10 @@ std::string_view without_blanks(std::string_view text) {
 }
 
 // Returns a question for the first name that begins with the text, as volumes does with volume; or nothing.
-std::string guess(std::string_view text) {
+std::string guess(std::string_view text, std::span<const Name> arrays) {
     constexpr std::size_t shortest = 3;
     if (text.size() < shortest) return {};
-    for (const std::span<const Name> names : {std::span<const Name>(words), std::span<const Name>(arrays)})
+    for (const std::span<const Name> names : {std::span<const Name>(words), arrays})
         for (const Name& name : names)
             if (name.name.starts_with(text)) return "did you mean " + std::string(name.name) + "? Else ";
     return {};
@@ -69,10 +60,11 @@ void add(std::string_view text, Want& want) {
         const auto found = std::ranges::find(names, text, &Name::name);
         return found == names.end() ? nullptr : &*found;
     };
+    const std::vector<Name> arrays = named_arrays();
     const Name* name = find(words);
     if (name == nullptr) name = find(arrays);
     if (name == nullptr)
-        refuse("Options::want has " + in_quotes(std::string(text)) + ": " + guess(text) + "give groups of " +
+        refuse("Options::want has " + in_quotes(std::string(text)) + ": " + guess(text, arrays) + "give groups of " +
                list(words) + ", or arrays of " + list(arrays));
     if (name->word != nullptr) want.*name->word = true;
 }

@@ -273,7 +273,7 @@ private:
 
 Delaunay delaunay(const Tessellation& tessellation) {
     require(tessellation, "delaunay");
-    const Result& result = detail::result_of(tessellation.result_);
+    const Result& result = detail::result_of(tessellation);
     if (result.face_offsets.empty() && !result.status.empty())
         throw Error(ErrorCode::invalid_argument,
                     "delaunay(): the tessellation has no polygons, set " + option("want.faces"));

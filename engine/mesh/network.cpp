@@ -428,7 +428,7 @@ private:
 Network network(const Tessellation& tessellation, std::span<const double> points) {
     require(tessellation, "network");
     require_finite_points(tessellation, points, "network");
-    const Result& result = detail::result_of(tessellation.result_);
+    const Result& result = detail::result_of(tessellation);
     const auto refuse = [](const std::string& message) {
         throw Error(ErrorCode::invalid_argument, "network(): " + message);
     };

@@ -121,21 +121,9 @@ void flatten_rows(Result& r, double thickness, const Want& wanted, bool list_wal
     std::vector<std::int32_t> corner(r.vertices.size() / 3, -1);
     std::int32_t corners = 0;
     for (std::size_t v = 0; v < corner.size(); ++v) {
-        if (r.vertices[3 * v + 2] < 0) continue;
-        for (std::size_t k = 0; k < 3; ++k) r.vertices[3 * at(corners) + k] = r.vertices[3 * v + k];
-        corner[v] = corners++;
+        if (!(r.vertices[3 * v + 2] < 0)) corner[v] = corners++;
     }
-    r.vertices.resize_uninitialized(3 * at(corners));
-    if (!r.vertex_image_of.empty()) {
-        for (std::size_t v = 0; v < corner.size(); ++v) {
-            if (corner[v] < 0) continue;
-            const std::size_t to = at(corner[v]);
-            r.vertex_image_of[to] = corner[at(r.vertex_image_of[v])];
-            for (std::size_t k = 0; k < 3; ++k) r.vertex_shifts[3 * to + k] = r.vertex_shifts[3 * v + k];
-        }
-        r.vertex_image_of.resize_uninitialized(at(corners));
-        r.vertex_shifts.resize_uninitialized(3 * at(corners));
-    }
+    detail::keep_vertices(r, corner);
     if (!r.dropped_offsets.empty()) {
         const std::size_t dropped = r.dropped_offsets.size() - 1;
         for (std::size_t f = 0; f < dropped; ++f) {

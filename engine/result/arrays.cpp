@@ -34,6 +34,19 @@ void drop_third_components(Result& result) {
     });
 }
 
+void keep_vertices(Result& r, std::span<const std::int32_t> number) {
+    for (std::int32_t& original : r.vertex_image_of) original = number[static_cast<std::size_t>(original)];
+    for_arrays([&](const auto& array) {
+        auto& values = array.of(r);
+        if (array.per != Per::vertex || values.empty()) return;
+        std::size_t to = 0;
+        for (std::size_t v = 0; v < number.size(); ++v)
+            for (std::size_t k = 0; k < array.components && number[v] >= 0; ++k)
+                values[to++] = values[array.components * v + k];
+        values.resize_uninitialized(to);
+    });
+}
+
 void keep_entries(Result& r, const std::vector<bool>& stays) {
     std::int64_t kept = 0, entry = 0;
     for (std::size_t i = 0; i + 1 < r.indptr.size(); ++i) {

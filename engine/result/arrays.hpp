@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -69,16 +70,19 @@ inline constexpr std::tuple other_arrays{
     VOTESS_ARRAY(indptr, Per::other, 1, &Want::neighbors),
     VOTESS_ARRAY(mesh_areas, Per::cell, 1, &Want::surfaces),
     VOTESS_ARRAY(vertices, Per::vertex, 3, &Want::vertices),
-    VOTESS_ARRAY(vertex_image_of, Per::vertex, 1, &Want::vertices),
-    VOTESS_ARRAY(vertex_shifts, Per::vertex, 3, &Want::vertices),
     VOTESS_ARRAY(cell_vertex_indptr, Per::other, 1, &Want::vertices),
     VOTESS_ARRAY(cell_vertex_indices, Per::other, 1, &Want::vertices),
     VOTESS_ARRAY(face_offsets, Per::other, 1, &Want::faces),
     VOTESS_ARRAY(face_vertices, Per::other, 1, &Want::faces),
-    VOTESS_ARRAY(dropped_offsets, Per::other, 1, &Want::faces),
-    VOTESS_ARRAY(dropped_vertices, Per::other, 1, &Want::faces),
     VOTESS_ARRAY(ids, Per::cell, 1),
     VOTESS_ARRAY(weights, Per::other, 1),
+};
+// Those that a Tessellation does not show.
+inline constexpr std::tuple inner_arrays{
+    VOTESS_ARRAY(vertex_image_of, Per::vertex, 1, &Want::vertices),
+    VOTESS_ARRAY(vertex_shifts, Per::vertex, 3, &Want::vertices),
+    VOTESS_ARRAY(dropped_offsets, Per::other, 1, &Want::faces),
+    VOTESS_ARRAY(dropped_vertices, Per::other, 1, &Want::faces),
 };
 #undef VOTESS_ARRAY
 
@@ -90,10 +94,16 @@ constexpr void for_row_arrays(Visit&& visit) {
     std::size_t number = 0;
     std::apply([&](const auto&... array) { (visit(array, number++), ...); }, row_arrays);
 }
+// Calls visit(array) for all arrays of a Tessellation.
+template <class Visit>
+constexpr void for_shown_arrays(Visit&& visit) {
+    std::apply([&](const auto&... array) { (visit(array), ...); }, std::tuple_cat(row_arrays, other_arrays));
+}
 // Calls visit(array) for all arrays of Result.
 template <class Visit>
 constexpr void for_arrays(Visit&& visit) {
-    std::apply([&](const auto&... array) { (visit(array), ...); }, std::tuple_cat(row_arrays, other_arrays));
+    for_shown_arrays(visit);
+    std::apply([&](const auto&... array) { (visit(array), ...); }, inner_arrays);
 }
 
 // Returns the number of a row array.
@@ -132,6 +142,10 @@ inline void copy_cell(Result& to, std::size_t i, const Result& from, std::size_t
 
 // Moves the vectors of a result to the plane: drops the last component of each.
 void drop_third_components(Result& result);
+
+// Keeps some vertices, in their order, with all of their images. number: of each among those that stay, or -1. Rows and
+// polygons keep the old numbers.
+void keep_vertices(Result& result, std::span<const std::int32_t> number);
 
 // Keeps some entries of the rows, in their order, with their polygons. stays: indptr[N] of them.
 void keep_entries(Result& result, const std::vector<bool>& stays);

@@ -25,22 +25,22 @@ struct TessellatorState {
 
 Tessellation::Tessellation() : Tessellation(nullptr) {}
 Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {
-    (void)detail::result_of(nullptr);  // here it may throw, in an accessor not
+    (void)detail::result_of(*this);  // here it may throw, in an accessor not
 }
 
 std::size_t Tessellation::size() const noexcept {
-    return detail::result_of(result_).status.size();
+    return detail::result_of(*this).status.size();
 }
 std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexcept {
-    const auto& p = detail::result_of(result_).indptr;
+    const auto& p = detail::result_of(*this).indptr;
     if (i + 1 >= p.size()) return {};
-    return std::span<const std::int32_t>(detail::result_of(result_).indices)
+    return std::span<const std::int32_t>(detail::result_of(*this).indices)
         .subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
 }
 // A member of the result, under the same name.
 #define VOTESS_MEMBER(name, ...)                      \
     __VA_ARGS__ Tessellation::name() const noexcept { \
-        return detail::result_of(result_).name;       \
+        return detail::result_of(*this).name;         \
     }
 VOTESS_MEMBER(indptr, std::span<const std::int64_t>)
 VOTESS_MEMBER(indices, std::span<const std::int32_t>)
@@ -77,7 +77,7 @@ VOTESS_MEMBER(stats, const Stats&)
 #undef VOTESS_MEMBER
 
 bool Tessellation::in_mesh() const noexcept {
-    return detail::result_of(result_).mesh_cells != nullptr;
+    return detail::result_of(*this).mesh_cells != nullptr;
 }
 
 Tessellator::Tessellator() : state_(std::make_shared<detail::TessellatorState>()) {}

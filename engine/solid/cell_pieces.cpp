@@ -15,10 +15,6 @@ namespace {
 constexpr double equal_angles = 1e-12;
 constexpr std::size_t samples = 16;  // of the corners of a hole or cavity
 
-double length_of(const Vector3& x) {
-    return length3(x[0], x[1], x[2]);
-}
-
 // Returns the distance of a corner from the sides of a loop, negative outside.
 double depth(const FlatCorner& p, const std::vector<FlatCorner>& loop) {
     double square = infinity;
@@ -36,7 +32,7 @@ double depth(const FlatCorner& p, const std::vector<FlatCorner>& loop) {
 
 // Returns the solid angle of a triangle seen from the origin (van Oosterom, Strackee 1983).
 double solid_angle(const Vector3& a, const Vector3& b, const Vector3& c) {
-    const double x = length_of(a), y = length_of(b), z = length_of(c);
+    const double x = length3(a), y = length3(b), z = length3(c);
     return 2 * std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
 }
 
@@ -141,7 +137,7 @@ void CellPieces::glue_around(std::size_t begin, std::size_t end) {
             if (v != edge.low && v != edge.high) out = minus(mesh_.vertex(v), low);
         out = cross(cross(axis, out), axis);
         if (i == begin) x = out, y = cross(axis, x);
-        edge.angle = std::atan2(dot(out, y) / std::max(length_of(y), tiny), dot(out, x) / std::max(length_of(x), tiny));
+        edge.angle = std::atan2(dot(out, y) / std::max(length3(y), tiny), dot(out, x) / std::max(length3(x), tiny));
     }
     const auto edges = std::span(mesh_edges_).subspan(begin, end - begin);
     std::ranges::sort(edges, {}, [](const MeshEdge& e) { return std::pair(e.angle, e.side); });

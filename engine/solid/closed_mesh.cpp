@@ -61,8 +61,7 @@ void join_near(const std::vector<exact::Point>& vertices, std::span<const std::i
                      it != cells.end() && it->first <= exact::Point{x, y, cell[2] + 1}; ++it) {
                     const std::int32_t a = root(v), b = root(it->second);
                     const Vector3 apart = minus(vertices[at(v)], vertices[at(it->second)]);
-                    if (a != b && length3(apart[0], apart[1], apart[2]) <= reach)
-                        first[at(std::max(a, b))] = std::min(a, b);
+                    if (a != b && length3(apart) <= reach) first[at(std::max(a, b))] = std::min(a, b);
                 }
             }
     }
@@ -147,7 +146,7 @@ void ClosedMesh::merge_vertices(double tolerance) {
     }
     for (std::int32_t v : places) {
         const Vector3 move = minus(vertex(v), vertex(first[index(v)]));
-        distance_ = std::max(distance_, length3(move[0], move[1], move[2]));
+        distance_ = std::max(distance_, length3(move));
     }
     for (auto& triangle : given_)
         for (std::int32_t& v : triangle) v = first[index(v)];
@@ -198,7 +197,7 @@ void ClosedMesh::check_closed() const {
             for (const Edge& other : wrong)
                 for (const std::int32_t w : {other.low, other.high}) {
                     const Vector3 apart = minus(vertex(w), vertex(v));
-                    if (w != v) nearest = std::min(nearest, length3(apart[0], apart[1], apart[2]));
+                    if (w != v) nearest = std::min(nearest, length3(apart));
                 }
             longest = std::max(longest, nearest);
         }
@@ -253,7 +252,7 @@ void ClosedMesh::find_volume() {
             for (std::size_t k = 0; k < 3; ++k) x[i][k] = (vertex(t[i])[k] - middle[k]) / length;
         const Vector3 a = minus(x[1], x[0]), b = minus(x[2], x[0]);
         sum += dot(x[0], cross(a, b)) / 6;
-        size += length3(x[0][0], x[0][1], x[0][2]) * length3(a[0], a[1], a[2]) * length3(b[0], b[1], b[2]);
+        size += length3(x[0]) * length3(a) * length3(b);
     }
     double volume = sum.value();
     volume_ = volume * length * length * length;
@@ -331,9 +330,9 @@ void ClosedMesh::scale_by(double scale) {
         if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
         const int upward = cross_sign(u, v, w, 2);
         const Vector3 a = minus(v, u), b = minus(w, u), n = cross(a, b);
-        const double length = length3(n[0], n[1], n[2]);
+        const double length = length3(n);
         Triangle triangle{t, static_cast<std::int32_t>(&t - given_.data()), static_cast<std::int8_t>(upward), {}, 0};
-        if (length > thin * length3(a[0], a[1], a[2]) * length3(b[0], b[1], b[2])) {
+        if (length > thin * length3(a) * length3(b)) {
             for (std::size_t k = 0; k < 3; ++k) triangle.normal[k] = n[k] / length;
             triangle.offset = dot(triangle.normal, u);
         }

@@ -686,7 +686,7 @@ void CutCell::measure_areas() {
         const double shift = std::max({error_of(cone.a), error_of(cone.b), error_of(cone.c)});
         const double error = std::abs(cone.weight) *
                              (16 * unit * largest(ab) * largest(bc) + 4 * std::max(largest(ab), largest(bc)) * shift);
-        if (cone.face == -1) surface += 0.5 * length3(n[0], n[1], n[2]), surface_error += error;
+        if (cone.face == -1) surface += 0.5 * length3(n), surface_error += error;
         if (cone.face < 0) continue;
         out_.faces[index(cone.face)].area += 0.5 * cone.weight * dot(unit_[index(cone.face)], n);
         area_error_[index(cone.face)] += error;

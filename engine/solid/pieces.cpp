@@ -70,7 +70,7 @@ Pieces no_pieces() {
 }  // namespace
 
 Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
-    const detail::Result& result = detail::result_of(tessellation.result_);
+    const detail::Result& result = detail::result_of(tessellation);
     const solid::MeshCells* const cells = result.mesh_cells.get();
     if (cells == nullptr)
         throw Error(ErrorCode::invalid_argument,

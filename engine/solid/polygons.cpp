@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -22,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "core/at.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
@@ -37,7 +37,6 @@ using Id = std::int32_t;
 
 constexpr double of_size = 3e-5;            // rounding of files with 6 decimal digits, of the size of all
 constexpr double of_coordinates = 0x1p-22;  // rounding to float32
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 class PolygonCutter {
 public:
@@ -128,8 +127,8 @@ private:
             if (const Vector3 x = from_first(k); dot(x, x) > dot(farthest, farthest)) farthest = x;
         for (Id k = 0; k < size(); ++k)
             if (const Vector3 n = cross(farthest, from_first(k)); dot(n, n) > dot(normal, normal)) normal = n;
-        const double length = length_of(normal);
-        if (length <= rounding_ * length_of(farthest)) return false;
+        const double length = length3(normal);
+        if (length <= rounding_ * length3(farthest)) return false;
         for (Id k = 0; k < size(); ++k)
             if (const double height = std::abs(dot(normal, from_first(k))); height > rounding_ * length)
                 refuse("is not flat: its vertex " + vertex_text(ring_[at(k)]) + " lies " +
@@ -144,7 +143,6 @@ private:
         mirrored_ = turn(previous(leftmost), leftmost, next(leftmost)) < 0;
         return true;
     }
-    [[nodiscard]] static double length_of(const Vector3& x) { return length3(x[0], x[1], x[2]); }
 
     [[nodiscard]] Id size() const { return static_cast<Id>(ring_.size()); }
     [[nodiscard]] Id next(Id k) const { return k + 1 == size() ? 0 : k + 1; }

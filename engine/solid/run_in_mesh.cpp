@@ -212,7 +212,7 @@ private:
             const std::size_t r = order_[i];
             if (result_.status[r] != CellStatus::certified) continue;
             const Vector3 from = minus(place(seed_of(r)), middle);
-            distance = std::max(distance, length3(from[0], from[1], from[2]) + reach(r));
+            distance = std::max(distance, length3(from) + reach(r));
         }
         return mesh_.any_near(middle, distance);
     }
@@ -449,12 +449,14 @@ private:
 
     // Drops faces outside, and empties the cells outside.
     void write_rows() {
-        result_.indptr.resize_uninitialized(rows() + 1);
-        result_.indptr[0] = 0;
-        result_.indices.resize_uninitialized(cells_->indices.size());
-        const bool periodic = !cells_->shifts.empty();
-        if (periodic) result_.shifts.resize_uninitialized(cells_->shifts.size());
-        std::size_t out = 0;
+        const auto copy = [](const auto& from, auto& to) {
+            to.resize_uninitialized(from.size());
+            std::ranges::copy(from, to.begin());
+        };
+        copy(cells_->indptr, result_.indptr);
+        copy(cells_->indices, result_.indices);
+        copy(cells_->shifts, result_.shifts);
+        std::vector<bool> stays(cells_->indices.size());
         for (std::size_t r = 0; r < rows(); ++r) {
             const auto begin = at(cells_->indptr[r]), end = at(cells_->indptr[r + 1]);
             const bool empty = empty_[r] != 0 || result_.status[r] != CellStatus::certified;
@@ -466,20 +468,12 @@ private:
             }
             double surface = result_.mesh_areas[r];
             for (std::size_t e = begin; e < end; ++e) {
-                if (empty || dropped_[e] != 0) continue;
-                result_.indices[out] = cells_->indices[e];
-                if (periodic) std::copy_n(&cells_->shifts[3 * e], 3, &result_.shifts[3 * out]);
-                if (has_areas_) surface += result_.face_areas[out] = result_.face_areas[e];
-                if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
-                ++out;
+                stays[e] = !empty && dropped_[e] == 0;
+                if (stays[e] && has_areas_) surface += result_.face_areas[e];
             }
             if (wanted_.surfaces) result_.surface_areas[r] = surface;
-            result_.indptr[r + 1] = static_cast<std::int64_t>(out);
         }
-        result_.indices.resize_uninitialized(out);
-        if (has_areas_) result_.face_areas.resize_uninitialized(out);
-        if (periodic) result_.shifts.resize_uninitialized(3 * out);
-        if (wanted_.normals) result_.face_normals.resize_uninitialized(3 * out);
+        detail::keep_entries(result_, stays);
     }
 
     void finish() {
@@ -505,10 +499,7 @@ private:
         stats.moved_distance = mesh_.moved_distance();
         stats.volume_sum = wanted_.volumes ? sum_of(result_.volumes) : 0;
         stats.tiny_faces.reset();
-        if (!wanted_.areas) result_.face_areas = {};
-        if (!wanted_.volumes) result_.volumes = {};
-        if (!wanted_.surfaces) result_.mesh_areas = {};
-        if (!wanted_.neighbors) result_.indptr = {}, result_.indices = {}, result_.shifts = {};
+        detail::keep_wanted(result_, wanted_, false);
     }
 
     std::shared_ptr<MeshCells> cells_;

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/arithmetic.hpp"
+#include "core/at.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
@@ -21,10 +22,6 @@ using detail::Result;
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t rows_per_check = 4096;
-
-std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 std::span<const std::int32_t> polygon_of(const Result& r, std::size_t entry) {
     const std::span<const std::int32_t> all = r.face_vertices;
@@ -211,22 +208,6 @@ std::vector<bool> find_infinite(const Result& r, const EndlessSides& sides) {
     return infinite;
 }
 
-// Drops the vertices at infinity, with all of their images. number: of the others, ascending.
-void drop_infinite(Result& r, std::span<const std::int32_t> number, std::size_t kept) {
-    for (std::size_t v = 0; v < number.size(); ++v) {
-        if (number[v] < 0) continue;
-        const std::size_t to = at(number[v]);
-        for (std::size_t k = 0; k < 3; ++k) r.vertices[3 * to + k] = r.vertices[3 * v + k];
-        if (r.vertex_image_of.empty()) continue;
-        r.vertex_image_of[to] = number[at(r.vertex_image_of[v])];
-        for (std::size_t k = 0; k < 3; ++k) r.vertex_shifts[3 * to + k] = r.vertex_shifts[3 * v + k];
-    }
-    r.vertices.resize_uninitialized(3 * kept);
-    if (r.vertex_image_of.empty()) return;
-    r.vertex_image_of.resize_uninitialized(kept);
-    r.vertex_shifts.resize_uninitialized(3 * kept);
-}
-
 }  // namespace
 
 void open_cells(Result& r, const Region& domain) {
@@ -268,7 +249,7 @@ void open_cells(Result& r, const Region& domain) {
     rows.move_into(r);
     for (std::size_t i = 0; i < r.face_counts.size(); ++i)
         r.face_counts[i] = static_cast<std::uint32_t>(r.indptr[i + 1] - r.indptr[i]);
-    if (has_polygons) drop_infinite(r, number, at(vertices));
+    if (has_polygons) detail::keep_vertices(r, number);
     r.lists_walls = true;
     set_endless_stats(r, domain, rows.entries());
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/at.hpp"
 #include "core/progress.hpp"
 #include "exact/insphere.hpp"
 #include "result/arrays.hpp"
@@ -19,10 +20,6 @@ namespace {
 using detail::Result;
 
 constexpr std::size_t min_near = 30;  // fewer seeds are as fast in the far box alone
-
-std::size_t to_index(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 // Sets the wanted measures of some rows of a result to those of rows of another one. Those of other rows stay.
 // row_of: of each of `rows` in the other.
@@ -102,7 +99,7 @@ private:
         double largest = 0;
         for (std::size_t k = 0; k < 4; ++k)
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                x[k][axis] = whole_.points[3 * to_index(seeds[k]) + axis];
+                x[k][axis] = whole_.points[3 * at(seeds[k]) + axis];
                 largest = std::max(largest, std::abs(x[k][axis]));
             }
         const int exponent = std::ilogb(largest);
@@ -166,14 +163,13 @@ private:
             if (near.status[i] == CellStatus::empty) empty.push_back(static_cast<std::int64_t>(i));
         }
         if (whole_.subset || empty.empty()) {
-            for (const std::int64_t i : empty) taken[to_index(i)] = true;
+            for (const std::int64_t i : empty) taken[at(i)] = true;
             return taken;
         }
         Settled part = whole_;
         part.subset = empty;
         const Result beyond = run_far(std::move(part), {.neighbors = true, .volumes = false}, {0.7, 0.8});
-        for (std::size_t k = 0; k < empty.size(); ++k)
-            taken[to_index(empty[k])] = beyond.status[k] != CellStatus::empty;
+        for (std::size_t k = 0; k < empty.size(); ++k) taken[at(empty[k])] = beyond.status[k] != CellStatus::empty;
         return taken;
     }
 
@@ -188,7 +184,7 @@ private:
         std::vector<bool> needed = taken;
         for (std::size_t i = 0; i < taken.size(); ++i)
             for (auto e = near.indptr[i]; e < near.indptr[i + 1] && taken[i]; ++e)
-                if (near.indices[to_index(e)] >= 0) needed[to_index(near.indices[to_index(e)])] = true;
+                if (near.indices[at(e)] >= 0) needed[at(near.indices[at(e)])] = true;
         std::vector<std::int32_t> seeds, taken_seeds;
         std::vector<double> some_points;
         Settled part = whole_;

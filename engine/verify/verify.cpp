@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/at.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
@@ -31,10 +32,6 @@ using detail::Result;
 
 constexpr std::size_t rows_at_once = std::size_t{1} << 14;
 constexpr std::size_t rows_per_stop = 1024;  // after which the user may stop
-
-std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
 
 // Returns a second run for the same rows.
 Settled second_run(const Tessellation& t, const Result& result, std::span<const double> points) {
@@ -525,7 +522,7 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
         return nothing;
     }
     require(t, "verify");
-    const Result& result = detail::result_of(t.result_);
+    const Result& result = detail::result_of(t);
     require_points_of(t, result, points);
     VerifyReport report;
     report.failure = malformed(result);

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/at.hpp"
 #include "core/progress.hpp"
 #include "input/option_name.hpp"
 #include "input/supports.hpp"
@@ -19,10 +20,6 @@ namespace {
 using Rank = std::uint32_t;
 constexpr std::int32_t none = -1;
 constexpr std::size_t cells_per_stop = 4096;  // after which the user may stop
-
-std::size_t at(std::int32_t index) {
-    return static_cast<std::size_t>(index);
-}
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, "watershed(): " + message);

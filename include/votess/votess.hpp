@@ -333,16 +333,9 @@ struct Stats {
 
 namespace detail {
 struct Result;
+struct ResultOf;
 struct TessellatorState;
 }  // namespace detail
-
-struct AlphaComplex;
-struct Delaunay;
-struct Network;
-struct PieceOptions;
-struct Pieces;
-struct VerifyOptions;
-struct VerifyReport;
 
 // The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans are valid
 // as long as any copy of the handle. Arrays that were not requested are empty. N is the number of seeds; rows follow
@@ -407,13 +400,7 @@ public:
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:
-    friend VOTESS_API AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
-                                                 const std::array<std::int32_t, 3>& replicate);
-    friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
-    friend VOTESS_API Network network(const Tessellation& tessellation, std::span<const double> points);
-    friend VOTESS_API Pieces pieces(const Tessellation& tessellation, const PieceOptions& options);
-    friend VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
-                                          const VerifyOptions& options);
+    friend struct detail::ResultOf;
     std::shared_ptr<const detail::Result> result_;
 };
 

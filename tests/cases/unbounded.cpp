@@ -706,18 +706,6 @@ TEST_SUITE("cases") {
             CHECK(is_close(grid_a.lower[k], grid_b.lower[k], 1e-12));
             CHECK(is_close(grid_a.upper[k], grid_b.upper[k], 1e-12));
         }
-        // A slanted cell, whose third direction is that of z: each probe is the last seed of a run.
-        in_cell.cell->a = {1, 0.1, 0.3};
-        in_cell.cell->b = {0.2, 1, -0.4};
-        const votess::Diagram slanted(points, in_cell);
-        const votess::Tessellation probes = slanted.probe(queries);
-        for (std::size_t q = 0; q < count; q += 3) {
-            test::Coordinates all = points;
-            all.insert(all.end(), &queries[3 * q], &queries[3 * q] + 3);
-            const votess::Tessellation t = votess::tessellate(all, in_cell);
-            CHECK(std::ranges::equal(t.neighbors(40), probes.neighbors(q)));
-            CHECK(is_close(t.volumes()[40], probes.volumes()[q], 1e-10));
-        }
     }
 
     TEST_CASE("unbounded: what needs an end is refused") {

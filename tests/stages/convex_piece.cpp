@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/convex_polygon.hpp"
@@ -19,10 +21,25 @@ Vector random_direction(test::Random& random) {
     return {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
 }
 
+ConvexPiece box_of(const Vector& lower, const Vector& upper) {
+    ConvexPiece box;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
+        std::array<Vector, 4> low{lower, lower, lower, lower};
+        low[1][i] = low[2][i] = upper[i];
+        low[2][j] = low[3][j] = upper[j];
+        std::array<Vector, 4> high = low;
+        for (Vector& corner : high) corner[k] = upper[k];
+        std::ranges::reverse(low);
+        box.add_polygon(low);
+        box.add_polygon(high);
+    }
+    return box;
+}
+
 // A box with its corners cut off at random.
 ConvexPiece random_piece(test::Random& random) {
-    ConvexPiece piece;
-    piece.add_box({0, 0, 0}, {1, 2, 0.5});
+    ConvexPiece piece = box_of({0, 0, 0}, {1, 2, 0.5});
     for (int i = 0; i < 12; ++i) {
         const Vector n = random_direction(random);
         piece.cut(n, n[0] * 0.5 + n[1] + n[2] * 0.25 + random.uniform(0.2, 0.8));
@@ -46,8 +63,7 @@ void check_sum(const ConvexPiece::Measure& whole, const ConvexPiece& a, const Co
 
 TEST_SUITE("stages") {
     TEST_CASE("convex piece: a box and its parts have their volumes and centers") {
-        ConvexPiece box, below;
-        box.add_box({1, 2, 3}, {2, 4, 6});
+        ConvexPiece box = box_of({1, 2, 3}, {2, 4, 6}), below;
         CHECK(box.volume() == doctest::Approx(6).epsilon(1e-15));
         CHECK(box.extent({0, 1, 0}) == std::pair(2.0, 4.0));
         box.split({0, 0, 1}, 4, below);
@@ -55,8 +71,7 @@ TEST_SUITE("stages") {
         CHECK(below.measure().moment[2] == doctest::Approx(7).epsilon(1e-15));
         CHECK(box.measure().moment[2] == doctest::Approx(20).epsilon(1e-15));
         // The corner of a box beyond x + y + z = 1 is a tetrahedron.
-        ConvexPiece corner;
-        corner.add_box({0, 0, 0}, {1, 1, 1});
+        ConvexPiece corner = box_of({0, 0, 0}, {1, 1, 1});
         CHECK(corner.cut({1, 1, 1}, 1));
         CHECK(corner.volume() == doctest::Approx(1.0 / 6).epsilon(1e-15));
         CHECK(corner.polygons() == 4);

@@ -508,16 +508,6 @@ class Queries(unittest.TestCase):
             self.assertAlmostEqual(area, probes.volumes[q], delta=1e-12)
             np.testing.assert_allclose(centroid, probes.centroids[q], atol=1e-9)
 
-    @have("scipy")
-    def test_locate_is_the_nearest_point(self):
-        from scipy.spatial import cKDTree
-
-        far = np.random.default_rng(7).normal(size=(2000, 2)) * 1e3
-        for domain, points in (({}, far), ({"box": BOX, "periodic": True}, far), ({"box": BOX}, self.QUERIES)):
-            tree = cKDTree(POINTS, boxsize=1 if domain.get("periodic") else None)
-            expected = tree.query(points % 1 if domain.get("periodic") else points)[1]
-            np.testing.assert_array_equal(vt.Diagram(POINTS, **domain).locate(points), expected)
-
     def test_weights_are_the_areas_that_a_query_takes(self):
         diagram = vt.Diagram(POINTS, box=BOX)
         before = vt.tessellate(POINTS, box=BOX).volumes

@@ -75,11 +75,6 @@ class Zones(unittest.TestCase):
         np.testing.assert_array_equal(labels < 0, np.isin(np.arange(62), (60, 61)))
         self.assertEqual(len(vt.tessellate(np.empty((0, 3))).watershed([])), 0)
 
-    def test_two_dimensions(self):
-        t = vt.tessellate(uniform(300)[:, :2], box=(0, 0, 1, 1))
-        zones = t.watershed(1 / t.volumes)
-        np.testing.assert_array_equal(zones.cores[zones.labels], plain_labels(t, 1 / t.volumes))
-
     def test_arrays_live_and_are_read_only(self):
         labels = vt.tessellate(uniform(3000)).watershed(np.arange(3000)).merge(np.inf).labels
         gc.collect()
