@@ -101,6 +101,10 @@ class Hdf5Files(Hdf5Test):
                            (self.put("f.h5", b""), "not an HDF5 file"),
                            ("absent.h5", ["absent.h5", "No such file"])]:
             self.refuse(name, "-o", "out.npz", says=[name] + ([says] if isinstance(says, str) else says))
+        with h5py.File(self.folder / "w.h5", "w") as file:  # which HDF5 locks
+            file["points"] = points
+            file.flush()
+            self.refuse("w.h5", says=["w.h5", "another program has it open"])
         self.refuse("c.h5", "--dataset", "q", says=["'q'", "a b"])
         self.refuse("c.h5", "--dataset", "a/b", says="'a/b'")
         self.refuse("a.h5", "--dataset", "a", says="(30, 1)")
