@@ -76,6 +76,7 @@ for shear, stated in ((0, 1), (8, 1.0037)):
     same = abs(found.sum() / 1000 - stated) < 1e-3 and abs(right.sum() / 1000 - 1) < 1e-4
     changed |= not same
     print(f"200 atoms, shear {shear}: the volumes sum to {found.sum() / 1000:.4f} of the cell by OVITO, "
-          f"{right.sum() / 1000:.4f} by freud; {np.mean(abs(found / right - 1) > .01):.0%} of the volumes differ by more than 1 %", "" if same else "CHANGED")
+          f"{right.sum() / 1000:.4f} by freud; "
+          f"{np.mean(abs(found / right - 1) > .01):.0%} of the volumes differ by more than 1 %", "" if same else "CHANGED")
 sys.exit(changed)
 EOF
