@@ -495,7 +495,7 @@ private:
                 const bool flat = layout_.axes.size() == 2;
                 const bool may_be_radii = names_.empty() && row.count == layout_.axes.size() + 1 && read_double(field);
                 throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                   (!names_.empty() ? ""
+                                   (!names_.empty() ? ": write whole numbers, or rename the column id"
                                     : flat          ? " (columns id x y)"
                                                     : " (columns id x y z)") +
                                    (!may_be_radii ? ""
