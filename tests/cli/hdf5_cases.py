@@ -94,6 +94,7 @@ class Hdf5Files(Hdf5Test):
         box = {"BoxSize": 75000.0}
         for name, says in [(self.save("a.h5", a=points[:, :1]), "(N, 3) or (N, 2)"),
                            (self.save("b.h5", a=points.astype(int)), "(N, 3)"),
+                           (self.save("x.h5", **dict(zip("xyz", points.T))), "the arrays x, y, z of an .npz"),
                            (self.save("c.h5", a=points, b=points), ["a b", "--dataset"]),
                            (self.save("d.h5", box, PartType0__Coordinates=points, PartType1__Coordinates=points),
                             "PartType0/Coordinates PartType1/Coordinates"),
