@@ -59,6 +59,9 @@ public:
                     !extension.text().starts_with("\"KHR_materials_"))
                     throw error("it needs the extension " + std::string(extension.text()) +
                                 ", which is not read: export it without");
+        const std::vector<Json> buffers = items(document, "buffers");
+        if (!buffers.empty() && buffers[0].find("uri"))
+            throw error("its numbers are in a \"uri\" and not in the chunk BIN, as Open3D writes them: write .ply");
         nodes_ = items(document, "nodes");
         meshes_ = items(document, "meshes");
         accessors_ = items(document, "accessors");

@@ -443,10 +443,22 @@ private:
         return layout;
     }
 
+    // Throws Failure for a first row of words alone, which is a line of names.
+    void check_first_row(const Row& row) const {
+        for (std::size_t k = 0; k < std::min(row.count, kept_fields); ++k) {
+            const std::string_view field = row.fields[k];
+            if (field.empty() || field.find_first_of("0123456789") != std::string_view::npos || read_double(field))
+                return;
+        }
+        throw lines_.error(in_quotes(row.fields[0]) +
+                           " is not a number: put # before a line of names, or name the file .csv");
+    }
+
     // Finds the columns by the first row.
     void find_places(const Row& row) {
         columns_ = row.count;
         take_comment(columns_);
+        if (names_.empty()) check_first_row(row);
         const std::vector<std::string> own = names_or_numbers(names_, columns_);
         const Words names(own.begin(), own.end());
         places_.emplace(request_, names, lines_.place());
@@ -483,7 +495,7 @@ private:
                 const bool flat = layout_.axes.size() == 2;
                 const bool may_be_radii = names_.empty() && row.count == layout_.axes.size() + 1 && read_double(field);
                 throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                   (!names_.empty() ? ""
+                                   (!names_.empty() ? ": write whole numbers, or rename the column id"
                                     : flat          ? " (columns id x y)"
                                                     : " (columns id x y z)") +
                                    (!may_be_radii ? ""

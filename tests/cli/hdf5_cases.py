@@ -94,6 +94,7 @@ class Hdf5Files(Hdf5Test):
         box = {"BoxSize": 75000.0}
         for name, says in [(self.save("a.h5", a=points[:, :1]), "(N, 3) or (N, 2)"),
                            (self.save("b.h5", a=points.astype(int)), "(N, 3)"),
+                           (self.save("x.h5", **dict(zip("xyz", points.T))), "the arrays x, y, z of an .npz"),
                            (self.save("c.h5", a=points, b=points), ["a b", "--dataset"]),
                            (self.save("d.h5", box, PartType0__Coordinates=points, PartType1__Coordinates=points),
                             "PartType0/Coordinates PartType1/Coordinates"),
@@ -101,6 +102,10 @@ class Hdf5Files(Hdf5Test):
                            (self.put("f.h5", b""), "not an HDF5 file"),
                            ("absent.h5", ["absent.h5", "No such file"])]:
             self.refuse(name, "-o", "out.npz", says=[name] + ([says] if isinstance(says, str) else says))
+        with h5py.File(self.folder / "w.h5", "w") as file:  # which HDF5 locks
+            file["points"] = points
+            file.flush()
+            self.refuse("w.h5", says=["w.h5", "another program has it open"])
         self.refuse("c.h5", "--dataset", "q", says=["'q'", "a b"])
         self.refuse("c.h5", "--dataset", "a/b", says="'a/b'")
         self.refuse("a.h5", "--dataset", "a", says="(30, 1)")

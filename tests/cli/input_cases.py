@@ -103,8 +103,9 @@ class Source(CliTest):
         self.refuse(many, "--radii", "r", says=["a.csv:2:", "'r'", "mass z name_is_1 y id x"])
         self.refuse(self.put("a.csv", "x,y,w\n1,2,3\n"), says=["a.csv:1:", "lacks 'z'"])
         self.refuse(self.put("a.csv", "1,2,3\nx,y,z\n"), says=["a.csv:2:", "'x'"])
+        self.refuse(self.put("a.csv", "id,x,y,z\n5.0,1,2,3\n"), says=["a.csv:2:", "'5.0'", "rename the column id"])
         self.refuse(self.put("a.csv", "1,2,oops\n1,2,3\n"), says=["a.csv:1:", "'oops'"])
-        self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'"])
+        self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'", "put # before a line of names"])
 
     def test_csv_by_rfc_4180(self):
         """Random tables written by Python's csv come back, with quotes, marks, blanks and line ends in fields, and empty cells."""

@@ -169,7 +169,7 @@ class Domain:
     cell, origin : a triclinic box instead of ``box``: its edges as rows, and its corner. Along an edge without period its
         faces are walls. Along an edge that is 0 it has no end.
     walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
-    mesh : a closed triangle mesh: (vertices, triangles), or a mesh of trimesh, PyVista or Open3D. Each cell is its part
+    mesh : a closed triangle mesh: (vertices, triangles), or a mesh of trimesh, PyVista, meshio or Open3D. Each cell is its part
         inside, see the page "Domains". Points may lie outside. Refused with walls and outside. In the plane polygons with
         holes: GeoJSON as a dict, an object with ``__geo_interface__`` as of Shapely, or (vertices, edges) with the domain
         on the left of each edge. Not in a ``cell`` there.

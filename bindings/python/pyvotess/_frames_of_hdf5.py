@@ -38,7 +38,8 @@ def _points(file: Any, group: str, where: str) -> str:
     if len(usual) == 1 or len(paths) == 1:
         return (usual if len(usual) == 1 else paths)[0]
     if not paths:
-        raise ValueError(f"{where}: no dataset of floats with shape (N, 3) or (N, 2)")
+        raise ValueError(f"{where}: no dataset of floats with shape (N, 3) or (N, 2): store the coordinates as one, "
+                         "or as the arrays x, y, z of an .npz")
     raise ValueError(f"{where}: several datasets could be the points, name one with dataset: {' '.join(paths[:8])}")
 
 

@@ -256,7 +256,7 @@ def _mesh_of_polygons(geometry: Any) -> Tuple[Float64Array, npt.NDArray[np.int32
 
 
 def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
-    """Returns (V, 3) float64 vertices and (T, 3) int32 triangles of a pair, or of a mesh of trimesh, PyVista or Open3D.
+    """Returns (V, 3) float64 vertices and (T, 3) int32 triangles of a pair, or of a mesh of trimesh, PyVista, meshio or Open3D.
 
     In the plane (V, 2) vertices and (E, 2) edges: of a pair, of GeoJSON, or of an object with ``__geo_interface__``.
     """
@@ -278,6 +278,11 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
         raise ValueError(f"mesh is a {kind}: give its surface, mesh.{combined}extract_geometry().triangulate()")
     elif hasattr(mesh, "GetPolys") or hasattr(mesh, "GetCells"):  # VTK
         raise ValueError(f"mesh is a {kind}: give pyvista.wrap(mesh).extract_geometry().triangulate()")
+    elif hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):  # meshio
+        kinds = set(mesh.cells_dict) - {"vertex", "line"}  # which bound nothing
+        if kinds != {"triangle"}:
+            raise ValueError(f"mesh has cells of the kinds {sorted(kinds)}: give (mesh.points, triangles) of its surface")
+        pair = (mesh.points, mesh.cells_dict["triangle"])
     elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh
         pair = (mesh.vertices, mesh.faces)
     elif hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):  # Open3D

@@ -282,6 +282,7 @@ class Domains(unittest.TestCase):
             types.SimpleNamespace(vertices=vertices, faces=triangles.astype(np.uint64)),  # trimesh
             types.SimpleNamespace(vertices=vertices.tolist(), triangles=triangles.astype(np.int16)),  # Open3D
             types.SimpleNamespace(points=vertices.astype(np.float32), regular_faces=triangles, is_all_triangles=True),
+            types.SimpleNamespace(points=vertices, cells_dict={"line": triangles[:, :2], "triangle": triangles}),  # meshio
             Scene(vertices, triangles),
             types.SimpleNamespace(  # tensors of Open3D
                 vertex=types.SimpleNamespace(positions=Tensor(vertices)), triangle=types.SimpleNamespace(indices=Tensor(triangles))
@@ -332,6 +333,7 @@ class Domains(unittest.TestCase):
             (types.SimpleNamespace(points=vertices, extract_geometry=0), r"give its surface, mesh.extract_geometry\(\)"),
             (types.SimpleNamespace(combine=0, extract_geometry=0), r"mesh.combine\(\).extract_geometry\(\).triangulate"),
             (types.SimpleNamespace(GetCells=0), "pyvista.wrap"),
+            (types.SimpleNamespace(points=vertices, cells_dict={"tetra": 0, "triangle": triangles}), r"\['tetra', 'triangle'\]"),
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 vt.tessellate(p, mesh=mesh, device="cpu")

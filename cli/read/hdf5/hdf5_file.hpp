@@ -183,7 +183,14 @@ public:
             throw bad_input(path + ": not a regular file");
         size_ = InputFile(path).size();
         file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
-        if (!file_.valid()) throw bad_input(path + ": not an HDF5 file, or a damaged one" + newer_version());
+        if (!file_.valid()) {
+            const std::string newer = newer_version();  // of the last call
+            if (newer.empty() && H5Fis_hdf5(path.c_str()) > 0)
+                throw bad_input(path +
+                                ": HDF5 cannot open the file: another program has it open for writing and must "
+                                "close it first, or the file is damaged");
+            throw bad_input(path + ": not an HDF5 file, or a damaged one" + newer);
+        }
         hsize_t size = 0;
         if (H5Fget_filesize(file_.id(), &size) < 0 || size > size_) throw bad_input(path + ": the file ends too early");
     }

@@ -154,7 +154,8 @@ private:
         if (std::ranges::count_if(candidates, is_usual) == 1) return *std::ranges::find_if(candidates, is_usual);
         if (candidates.size() == 1) return candidates[0];
         if (candidates.empty()) {
-            throw bad_input(file.path() + ": no dataset of floats with shape " + shapes_of(request_.dimensions));
+            throw bad_input(file.path() + ": no dataset of floats with shape " + shapes_of(request_.dimensions) +
+                            ": store the coordinates as one, or as the arrays x, y, z of an .npz");
         }
         constexpr std::size_t shown = 8;
         std::string list;
