@@ -131,6 +131,10 @@ struct PlanOptions {
     // own, 2^17 on other GPUs.
     std::uint32_t chunk_size = 0;
     std::uint32_t k_init = 0;  // as Options::k_init
+    // Keep the cells for the next frame: cells that still hold there are not made again. It changes speed, never the
+    // answer; see Header::kept. Pays where seeds move by at most a hundredth of their distance. Needs Buffers::kept, and
+    // all cells are in flight at once: chunk_size must be 0.
+    bool follow = false;
 };
 
 // A part of a buffer. The offset must be a multiple of minStorageBufferOffsetAlignment. One buffer may hold several.
@@ -164,6 +168,9 @@ struct BufferSizes {
     // are ordered by id, then shift.
     VkDeviceSize shifts = 0;
     VkDeviceSize weights = 0;  // input: WeightOptions::stride numbers apart; ends with the last weight
+    // Of a plan with `follow`: the cells of the last frame, 260 bytes a seed and 128 more in a periodic plan. Only
+    // frames may write it; frames of one plan may share it, one after the other.
+    VkDeviceSize kept = 0;
 };
 
 // Outcome of a frame, written by the GPU in this layout.
@@ -178,6 +185,7 @@ struct Header {
     std::uint32_t faces;       // of all certified cells, walls included
     std::uint32_t images;      // images of periodic seeds within the margin
     std::uint32_t empty;       // cells of power diagrams that are proven to have no interior
+    std::uint32_t kept;        // cells of the last frame that still hold, see PlanOptions::follow; they are certified
 };
 
 struct Cell {
@@ -188,7 +196,7 @@ struct Cell {
 };
 
 struct Buffers {
-    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{}, areas{}, shifts{}, weights{};
+    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{}, areas{}, shifts{}, weights{}, kept{};
 };
 
 // Queries for the times of stages: `slots` consecutive ones of a timestamp pool from `first` on, reset by the program.
@@ -209,6 +217,9 @@ struct RecordOptions {
     std::optional<Box> box{};            // of this frame; default: that of the plan. Not with walls
     std::optional<TriclinicBox> cell{};  // of this frame, if the plan has one
     Timestamps timestamps{};             // none when pool is null
+    // Of a plan with `follow`: make all cells. Required for the first frame with a new buffer `kept`, or when something
+    // else wrote to it, or when the commands of the frame before did not run to the end.
+    bool fresh = false;
 };
 
 namespace detail {
@@ -225,8 +236,8 @@ public:
     // Records all stages: upload, sort, knn, clip, download.
     //
     // Before: writes to seeds and weights must be visible to compute shaders (stage COMPUTE_SHADER, access
-    // SHADER_READ). No other use of workspace, header, cells, indices, geometry, areas and shifts may be pending; the
-    // stages COMPUTE_SHADER and TRANSFER write them.
+    // SHADER_READ). No other use of workspace, header, cells, indices, geometry, areas, shifts and kept may be pending;
+    // the stages COMPUTE_SHADER and TRANSFER write them.
     // After: the last command is a barrier. It makes these buffers visible to all later commands on the queue, at any
     // stage, for any access. The host needs its own barrier.
     //
@@ -264,7 +275,7 @@ class VOTESS_API Plan {
 public:
     // Throws Error; the message gives the reason.
     //   - invalid_argument: also a cell with a box or periodic axes, areas without neighbors, walls in a periodic box,
-    //     walls that leave nothing of the box
+    //     walls that leave nothing of the box, a chunk_size with follow
     //   - unsupported: limits of the device; a periodic box with bounds of very different size, such as 1e-30 and 1; a
     //     cell so skewed or thin that images lie more than three edges away; a cell that does not repeat along all
     //     edges; weights that differ too much

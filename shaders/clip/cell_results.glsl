@@ -10,7 +10,11 @@
 
 layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+#ifdef READS_ROWS
+layout(std430, binding = BINDING_ROWS) buffer Rows { int rows[]; };
+#else
 layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
+#endif
 layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { uvec2 geometry[]; };
 layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { uvec2 areas[]; };
 

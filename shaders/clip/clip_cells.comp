@@ -29,6 +29,8 @@ layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
 #ifdef DECIDES_TIES
 #include "clip/invocation_ties.glsl"
 #endif
+#include "clip/invocation_results.glsl"
+#include "kept/kept_word.glsl"
 #include "measure/invocation_measure.glsl"
 #include "search/distances.glsl"
 #include "search/hierarchy.glsl"
@@ -232,46 +234,6 @@ void clip_by_walk(uint self, float reach, float bound) {
     if (!is_secure_from(bound)) status = STATUS_CANDIDATES_EXHAUSTED;
 }
 
-void finish(uint slot, uint cell, uint exponent) {
-    uint length = 0u, faces = 0u, vertices = uint(vertex_count);
-    if (status == STATUS_CERTIFIED) {
-        note_planes_in_use();
-        for (int w = 0; w < plane_words; ++w) faces += uint(bitCount(planes_used[w]));
-        for (int p = 0; p < max_planes && has_walls != 0u; ++p)
-            if ((planes_used[p >> 5] & (1u << (p & 31))) != 0u && is_no_wall(plane_id[p])) status = STATUS_NEEDS_EXACT;
-        if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
-    }
-    if (want_geometry != 0u && status == STATUS_CERTIFIED) {
-        measure_cell();
-        if (!is_measured(push.volume_tolerance)) status = STATUS_NEEDS_EXACT;
-        geometry[4u * cell] = written(volume);
-        geometry[4u * cell + 1u] = written(mass_center.x);
-        geometry[4u * cell + 2u] = written(mass_center.y);
-        geometry[4u * cell + 3u] = written(mass_center.z);
-    }
-#ifdef DECIDES_TIES
-    if (status == STATUS_CERTIFIED && met_tie) keep_true_faces(faces, vertices);
-#endif
-    if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
-        for (int w = 0; w < plane_words; ++w)
-            for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
-                const int plane = 32 * w + findLSB(rest);
-                const int id = plane_id[plane];
-                if (id < 0 && push.walls == 0u) continue;
-                if (want_geometry == 2u) areas[length * push.row_stride + slot] = written(not_negative(area[plane]));
-                rows[length * push.row_stride + slot] = id < 0 ? listed_wall(id) : int(seed_input[id]);
-                ++length;
-            }
-    }
-    if (loops_were_cut_short(2u + (push.cell_count >> 31))) {
-        status = STATUS_CANDIDATES_EXHAUSTED;
-        length = 0u;
-    }
-    const bool certified = status == STATUS_CERTIFIED;
-    const uint known = (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) | (exponent << INFO_EXPONENT_SHIFT);
-    put_cell(cell, certified ? status | known : status, length, tier == 0u ? slot : slot | SECOND_TIER_BIT);
-}
-
 float distance_along_axes(uint q) {
     return max(abs(rough_difference(seed_x(q), px)),
                max(abs(rough_difference(seed_y(q), py)), abs(rough_difference(seed_z(q), pz))));
@@ -286,13 +248,13 @@ float nearest_of_group(uint self) {
 }
 
 void main() {
-    const uint slot = linear_invocation();
-    uint cell = slot;
+    uint slot = linear_invocation(), cell = slot;
     if (tier == 0u) {
-        if (slot >= push.cell_count) return;
+        if (slot >= push.cell_count || (push.keeps != 0u && is_done(word_of(WORDS_KEPT, slot)))) return;
     } else {
         if (slot >= chunk.todo_count) return;
         cell = word_of(WORDS_TODO, slot);
+        if (push.keeps != 0u) slot = cell;  // rows of earlier rounds stay
     }
     const uint self = push.first_cell + cell;
     px = seed_x(self);
@@ -310,6 +272,7 @@ void main() {
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
         status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;
         finish(slot, cell, 0u);
+        note_for_next_frame(cell);
         return;
     }
 
@@ -342,4 +305,5 @@ void main() {
         }
     }
     finish(slot, cell, exponent);
+    note_for_next_frame(cell);
 }

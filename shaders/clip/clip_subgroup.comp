@@ -30,6 +30,7 @@ layout(push_constant) uniform Push { CellsPush push; };
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
 #include "invocations/subgroup.glsl"
+#include "kept/kept_column.glsl"
 #include "search/seeds.glsl"
 #include "search/subgroup_state.glsl"
 
@@ -230,6 +231,23 @@ uint write_row(uint slot, PlaneSet used) {
     return length;
 }
 
+// Writes planes and corners for the next frame.
+void write_column(uint cell, PlaneSet used) {
+    for (uint p = lane; p < max_planes; p += uint(lanes))
+        if (has(used, p)) rows[plane_place(cell, rank_in(used, p))] = id_of(p);
+    uint corners = 0u;
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        const uint planes = vertex_planes[s];
+        uint count;
+        const uint at = corners + rank_among(planes != 0u, count);
+        if (planes != 0u)
+            rows[corner_place(cell, at)] = int(pack_planes(rank_in(used, plane_of(planes, 0)),
+                                                           rank_in(used, plane_of(planes, 1)),
+                                                           rank_in(used, plane_of(planes, 2))));
+        corners += count;
+    }
+}
+
 void finish(uint slot, uint cell, uint exponent) {
     PlaneSet used = no_planes;
     uint faces = 0u, vertices = 0u, length = 0u;
@@ -257,8 +275,24 @@ void finish(uint slot, uint cell, uint exponent) {
     if (alike(status == STATUS_CERTIFIED) && any_lane(met_tie)) keep_true_faces(used, faces, vertices);
 #endif
     if (push.neighbors != 0u && alike(status == STATUS_CERTIFIED)) length = write_row(slot, used);
-    if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_CANDIDATES_EXHAUSTED;
+    uint note = KEPT_TRIED;
+    if (push.keeps != 0u) {
+        bool is_simple = status == STATUS_CERTIFIED && faces <= KEPT_PLANES && vertices <= KEPT_CORNERS;
+#ifdef DECIDES_TIES
+        is_simple = is_simple && !any_lane(met_tie);
+#endif
+        if (alike(is_simple)) {
+            write_column(cell, used);
+            note |= KEPT_MADE | faces | (vertices << KEPT_CORNERS_SHIFT);
+        }
+    }
+    if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) {
+        status = STATUS_CANDIDATES_EXHAUSTED;
+        note = KEPT_TRIED;
+    }
     if (lane != 0u) return;
+    if (push.keeps != 0u)
+        of_cells[word_at(WORDS_KEPT, cell)] = tier == 0u ? note : note | KEPT_TRIED_AGAIN;
     if (status != STATUS_CERTIFIED) {
         leave(cell);
         return;
@@ -273,11 +307,15 @@ void main() {
     if (!enter_subgroup()) {
         status = STATUS_CANDIDATES_EXHAUSTED;
         const uint cell = first + gl_LocalInvocationID.x;
-        if (tier == 0u && gl_LocalInvocationID.x < uint(subgroups) && cell < push.cell_count) leave(cell);
+        if (tier == 0u && gl_LocalInvocationID.x < uint(subgroups) && cell < push.cell_count)
+            if (push.keeps == 0u || !is_done(word_of(WORDS_KEPT, cell))) leave(cell);
         return;
     }
     const uint slot = first + SUBGROUP;
     if (alike(slot >= (tier == 0u ? push.cell_count : chunk.todo_count))) return;
+    if (tier == 0u && push.keeps != 0u) {
+        if (alike(is_done(word_of(WORDS_KEPT, slot)))) return;
+    }
     // Lanes address it by their own number. For an address that is the same in all lanes NVK splits the addresses of
     // the buffers, and joins them again in each round of seeds.
     const uint slot_of_lane = first + gl_LocalInvocationID.x / uint(lanes);
@@ -304,5 +342,5 @@ void main() {
         status = STATUS_CANDIDATES_EXHAUSTED;
     else
         exponent = make_cell();
-    finish(slot, cell, exponent);
+    finish(tier != 0u && push.keeps != 0u ? cell : slot, cell, exponent);  // rows of earlier rounds stay
 }

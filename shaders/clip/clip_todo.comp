@@ -17,7 +17,8 @@ layout(std430, binding = BINDING_SCAN_SUMS) buffer Tiles { uint tile_begin[]; };
 shared uint sums[TILE_GROUP];
 
 bool is_left(uint cell) {
-    return cell < push.cell_count && !is_finished(word_of(WORDS_INFO, cell));
+    if (cell >= push.cell_count || is_finished(word_of(WORDS_INFO, cell))) return false;
+    return push.keeps == 0u || (word_of(WORDS_KEPT, cell) & KEPT_TRIED_AGAIN) == 0u;
 }
 
 void main() {
@@ -45,6 +46,7 @@ void main() {
     for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) {
         if (!is_left(first + i)) continue;
         if (rank < taken) of_cells[word_at(WORDS_TODO, begin + rank)] = first + i;
+        if (push.keeps != 0u) of_cells[word_at(WORDS_KEPT, first + i)] |= KEPT_TRIED_AGAIN;
         ++rank;
     }
     if (me != 0u) return;

@@ -45,6 +45,12 @@ PlaneSet all_bits(PlaneSet planes) {
     return uvec2(all_bits(planes.x), all_bits(planes.y));
 }
 
+// Returns how many planes of the set are before this one.
+uint rank_in(PlaneSet planes, uint plane) {
+    const uint before = (1u << (plane & 31u)) - 1u;
+    return plane < 32u ? uint(bitCount(planes.x & before)) : uint(bitCount(planes.x) + bitCount(planes.y & before));
+}
+
 #else
 
 #define PlaneSet uint
@@ -77,6 +83,10 @@ PlaneSet without_lowest(PlaneSet planes) {
 
 PlaneSet planes_behind(PlaneSet one) {
     return ~(one | (one - 1u));
+}
+
+uint rank_in(PlaneSet planes, uint plane) {
+    return uint(bitCount(planes & ((1u << plane) - 1u)));
 }
 
 #endif

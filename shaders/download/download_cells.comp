@@ -20,11 +20,11 @@ layout(std430, binding = BINDING_GEOMETRY_OUT) writeonly buffer GeometryOut { ve
 #include "shared/chunk.glsl"
 
 // The work-group counts its own cells and adds them to the header at once.
-shared uint certified, unresolved, duplicates, empty, outside, faces_of_all;
+shared uint certified, unresolved, duplicates, empty, outside, faces_of_all, kept;
 
 void main() {
     const bool leads = gl_LocalInvocationIndex == 0u;
-    if (leads) certified = unresolved = duplicates = empty = outside = faces_of_all = 0u;
+    if (leads) certified = unresolved = duplicates = empty = outside = faces_of_all = kept = 0u;
     barrier();
     const uint cell = linear_invocation();
     const uint seed = cell < push.cell_count ? seed_input[push.first_cell + cell] & INDEX_MASK : push.own_count;
@@ -57,6 +57,7 @@ void main() {
         if (done) {
             atomicAdd(certified, 1u);
             atomicAdd(faces_of_all, faces);
+            if (push.keeps != 0u && (word_of(WORDS_KEPT, cell) & KEPT_HELD) != 0u) atomicAdd(kept, 1u);
         } else if (status == STATUS_DUPLICATE) {
             atomicAdd(duplicates, 1u);
         } else if (status == STATUS_EMPTY) {
@@ -75,4 +76,5 @@ void main() {
     if (empty > 0u) atomicAdd(header.empty, empty);
     if (outside > 0u) atomicAdd(header.outside, outside);
     if (faces_of_all > 0u) atomicAdd(header.faces, faces_of_all);
+    if (kept > 0u) atomicAdd(header.kept, kept);
 }

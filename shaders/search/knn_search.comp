@@ -11,6 +11,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
+#include "kept/kept_word.glsl"
 #include "numbers/int64.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
@@ -205,6 +206,7 @@ void put_list(uint column, uint lengths, float reach, float bound) {
 void main() {
     const uint column = linear_invocation();
     if (column >= push.cell_count) return;
+    if (push.keeps != 0u && is_done(word_of(WORDS_KEPT, column))) return;
     self = push.first_cell + column;
     px = seed_x(self);
     py = seed_y(self);

@@ -93,11 +93,29 @@
 #define WORDS_ROW_PLACE 2u     // column in the rows, with SECOND_TIER_BIT
 #define WORDS_INFO 3u          // see INFO_
 #define WORDS_TODO 4u          // cells that the first tier left to the second; not all are used
-#define WORDS_OF_CELLS 5u      // without lists
-#define WORDS_LIST_LENGTHS 5u  // of a list; in the high half, of its first bucket, which is not sorted
-#define WORDS_LIST_REACH 6u    // float: squared distance in units (weights: rank) up to which a list is complete
-#define WORDS_LIST_BOUND 7u    // float: squared distance beyond which seeds are unknown
-#define WORDS_LIST 8u          // k arrays: sorted seeds, nearest first
+#define WORDS_KEPT 5u          // see KEPT_; of frames that keep cells
+#define WORDS_OF_CELLS 6u      // without lists
+#define WORDS_LIST_LENGTHS 6u  // of a list; in the high half, of its first bucket, which is not sorted
+#define WORDS_LIST_REACH 7u    // float: squared distance in units (weights: rank) up to which a list is complete
+#define WORDS_LIST_BOUND 8u    // float: squared distance beyond which seeds are unknown
+#define WORDS_LIST 9u          // k arrays: sorted seeds, nearest first
+
+// Frames that keep cells (kept/kept_cells.glsl). Each cell of the chunk has a column of KEPT_WORDS in the rows: its reach
+// in units as a float, planes, corners. Larger cells have none. A stored record has a head, planes, their shifts in a
+// periodic plan, and corners in pairs.
+#define KEPT_PLANES 32
+#define KEPT_CORNERS 64
+#define KEPT_WORDS (1 + KEPT_PLANES + KEPT_CORNERS)
+#define KEPT_STORED_WORDS (1 + KEPT_PLANES + KEPT_CORNERS / 2)
+#define KEPT_STORED_SHIFTS KEPT_PLANES
+#define KEPT_ROUNDS 3  // in which cells may be made until all match
+#define KEPT_UNKNOWN 40
+// The word of a cell: the number of its planes, then of corners, and
+#define KEPT_CORNERS_SHIFT 8
+#define KEPT_MADE 0x10000u         // it has a column
+#define KEPT_HELD 0x20000u         // planes and corners are those of the last frame
+#define KEPT_TRIED 0x40000u        // it was clipped in this frame
+#define KEPT_TRIED_AGAIN 0x80000u  // by the second tier too, if that was needed
 
 // Statuses, equal to votess::CellStatus.
 #define STATUS_CERTIFIED 0u

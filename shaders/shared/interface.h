@@ -63,7 +63,10 @@
 #define BINDING_GIVEN_VOLUMES 34    // N float
 #define BINDING_GIVEN_CENTROIDS 35  // 3N numbers, as RAW
 #define BINDING_GIVEN_AREAS 36      // float, beside the rows of SLICE_ROWS
-#define BINDING_COUNT 37
+// A frame that keeps cells.
+#define BINDING_KEPT 37    // records of M seeds, M the capacity: word k of seed i is at k M + i, see KEPT_ in config.h
+#define BINDING_PLACES 38  // N uint: the sorted seed of each point
+#define BINDING_COUNT 39
 #define MAX_BINDINGS 8  // of a pass
 
 #endif

@@ -85,6 +85,7 @@ struct KnnPush {
     uint own_count;  // input indices from here on are seeds beside the part: they get no cell
     uint level_count;
     uint max_visits;  // boxes visited before the search gives up
+    uint keeps;       // as in ClipPush
     uint level_first[MAX_LEVELS];
 };
 
@@ -100,6 +101,8 @@ struct ClipPush {
     float volume_tolerance;  // relative
     uint max_visits;         // boxes visited before a walk gives up
     uint bounded;            // as in KnnPush
+    uint keeps;              // where in the rows the columns of kept cells begin; 0: there are none
+    float kept_reach;        // units: a periodic cell is not kept if it reaches farther
     uint level_count;
     uint level_first[MAX_LEVELS];
 };
@@ -120,6 +123,29 @@ struct CellsPush {
     uint walls;
     uint neighbors;
     float volume_tolerance;
+    uint keeps;
+};
+
+// The passes between frames, and between the rounds of a frame.
+struct KeptPush {
+    uint cell_count;
+    uint own_count;    // as in KnnPush
+    uint image_count;  // places for images
+    uint keeps;        // as in ClipPush
+    uint capacity;     // records in the store
+};
+
+// Counts the kept cells over a place.
+struct CoverPush {
+    uvec2 extent[3];   // as in ClipPush
+    float vectors[9];  // along which the box repeats, in units
+    uint periodic;     // a bit a vector
+    uint bounded;
+    uint cell_count;
+    uint seed_count;
+    uint own_count;
+    uint keeps;
+    uint root;         // node of the root of the hierarchy
 };
 
 struct TodoPush {
@@ -127,6 +153,7 @@ struct TodoPush {
     uint max_of_tile;  // cells of TILE_ITEMS that the second tier takes
     uint group;        // invocations of a work-group of the second tier, one a cell
     uint places;       // 0: counts tiles; 1: writes the list
+    uint keeps;        // not 0: cells are kept
 };
 
 struct RowsPush {
@@ -161,6 +188,7 @@ struct FramePush {
     int shift;       // as in UploadPush
     uint seed_count;
     uint own_count;  // as in KnnPush
+    uint keeps;      // not 0: cells are kept
 };
 
 // A node of the hierarchy: bounds of the seeds below it, in units. A node without seeds has the largest numbers as
@@ -222,12 +250,20 @@ struct ChunkState {
     uint subgroups_x, subgroups_y, subgroups_z;
     uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
     uint row_base;    // first entry of the chunk's rows in the rows out
-    uint unused[55];  // arrays follow (WORDS_), 256 bytes from the front, where any device can bind them
+    // Of kept cells, which match up to the last round:
+    uint kept_pending;        // not 0: some did not match in this round
+    uint kept_over;           // cells over the place of a seed
+    uint kept_over_cell;      // one of them
+    uint kept_failed;         // not 0: all must be made
+    uint unknown_count;       // cells that no column describes, though they may have faces
+    uint kept_point;          // the seed; 0xffffffff if no cell is kept
+    uint unknown[KEPT_UNKNOWN];
+    uint unused[9];  // arrays follow (WORDS_), 256 bytes from the front, where any device can bind them
 };
 
 // votess::vulkan::Header and Cell.
 struct FrameHeader {
-    uint seeds, certified, unresolved, duplicates, outside, entries, faces, images, empty;
+    uint seeds, certified, unresolved, duplicates, outside, entries, faces, images, empty, kept;
 };
 struct FrameCell {
     uint status, row_begin, row_length, faces;

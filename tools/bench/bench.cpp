@@ -1,5 +1,5 @@
 // votess_bench: votess and its peers on the same points in the same run, in turns. Reports medians over the repeats.
-// --goals, --memory and --gpu-table measure other things.
+// --goals, --memory, --moving and --gpu-table measure other things.
 #include "bench.hpp"
 
 #include <CLI/CLI.hpp>
@@ -11,6 +11,7 @@
 #include "goals.hpp"
 #include "gpu/gpu_table.hpp"
 #include "measure.hpp"
+#include "moving.hpp"
 #include "system/machine.hpp"
 #include "system/memory.hpp"
 
@@ -37,7 +38,7 @@ Rows rows_from_pairs(std::size_t n, const std::vector<std::pair<std::int32_t, st
 
 namespace {
 
-enum class Mode { comparison, quick, sweep, goals, memory, gpu_table };
+enum class Mode { comparison, quick, sweep, goals, memory, moving, gpu_table };
 
 struct Settings {
     Mode mode = Mode::comparison;
@@ -63,6 +64,7 @@ struct Settings {
 
     void complete() {
         const bool quick = mode == Mode::quick, sweep = mode == Mode::sweep, memory = mode == Mode::memory;
+        const bool moving = mode == Mode::moving;
         if (sizes.empty()) {
             sizes = {10'000, 100'000};
             if (quick) {
@@ -71,6 +73,8 @@ struct Settings {
                 sizes = {1'000, 3'000, 10'000, 30'000, 100'000, 300'000, 1'000'000};
             } else if (memory) {
                 sizes = {1'000'000};
+            } else if (moving) {
+                sizes = {100'000};
             }
         }
         if (inputs.empty()) {
@@ -80,12 +84,14 @@ struct Settings {
             }
             if (sweep) {
                 inputs.insert(inputs.end(), {"radii", "smooth"});
+            } else if (moving) {
+                inputs.insert(inputs.end(), {"periodic", "triclinic", "octahedron", "radii"});
             }
         }
         only_uniform_full = sweep && wants.empty();
         if (wants.empty()) {
             wants = {"neighbors"};
-            if (quick || sweep || memory) {
+            if (quick || sweep || memory || moving) {
                 wants.emplace_back("full");
             }
         }
@@ -229,6 +235,9 @@ int run(Settings s) {
     if (s.mode == Mode::memory) {
         return run_memory_table({s.inputs, s.wants, s.sizes, s.threads, s.rng_seed, s.json}, peers, versions);
     }
+    if (s.mode == Mode::moving) {
+        return run_moving_table({s.inputs, s.wants, s.sizes, s.repeats.count, s.rng_seed, s.json}, versions);
+    }
     return run_comparison(s, peers, versions);
 }
 
@@ -300,11 +309,14 @@ int main(int argc, char** argv) try {
              "the speeds that votess sets out to reach, a line each; --n A,B tries it out with other numbers of "
              "seeds; some 5 minutes"),
         mode("--memory", Mode::memory, "peak of resident memory a point, each program in a process of its own"),
+        mode("--moving", Mode::moving,
+             "time of a call that follows moving seeds over that of a fresh one, 1e5 seeds, several domains, one thread; "
+             "some 10 minutes; exit 1 when an answer differs"),
         mode("--gpu-table", Mode::gpu_table,
              "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered, lattices, and one of each "
              "kind of domain; without "
              "--json into gpu-DEVICE-DATE.json in the current folder; exit 1 when a result is wrong")};
-    CLI::Option *goals = modes[2], *memory = modes[3], *gpu_table = modes[4];
+    CLI::Option *goals = modes[2], *memory = modes[3], *moving = modes[4], *gpu_table = modes[5];
     for (CLI::Option* one : modes) {
         for (CLI::Option* other : modes) {
             one != other ? one->excludes(other) : nullptr;
@@ -316,6 +328,7 @@ int main(int argc, char** argv) try {
     numbers->needs(gpu_table);
     goals->excludes(devices)->excludes(instructions);
     memory->excludes(devices)->excludes(check);
+    moving->excludes(devices)->excludes(check)->excludes(peers)->excludes(instructions);
     app.add_flag("--strict", s.strict, "--goals: exit 1 unless all are met")->needs(goals);
     app.add_option("--check-limit", s.check_limit, "--gpu-table: compare with the CPU up to so many seeds; default 1e5")
         ->needs(gpu_table);

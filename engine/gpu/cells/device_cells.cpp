@@ -52,12 +52,14 @@ std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& sett
 VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
     // The words of a chunk, rows of both tiers, geometry, and areas of the rows.
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * (words_per_cell(s) + planes + 2 * geometry_components + (s.areas ? 2 * planes : 0));
+    return 4 * (words_per_cell(s) + planes + 2 * geometry_components + (s.areas ? 2 * planes : 0) +
+                (s.follow ? KEPT_WORDS : 0));
 }
 
 VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * std::max<VkDeviceSize>(words_per_cell(s), (s.areas ? 2 : 1) * planes);
+    return 4 * std::max<VkDeviceSize>({words_per_cell(s), (s.areas ? 2 : 1) * planes,
+                                       planes + (s.follow ? KEPT_WORDS : 0)});
 }
 
 void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings) {
@@ -71,7 +73,8 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     // Rows of the second tier begin where they can be bound.
     second_first_ = round_up(n * settings.tiers[0].planes, any_alignment / bytes_per_entry);
     const VkDeviceSize entries = second_first_ + t * settings.tiers[1].planes;
-    take(BINDING_ROWS, entries * bytes_per_entry, "rows");
+    keeps_ = settings.follow ? entries : 0;
+    take(BINDING_ROWS, (entries + (settings.follow ? n * KEPT_WORDS : 0)) * bytes_per_entry, "rows");
     take(BINDING_AREAS, settings.areas ? entries * number_bytes : 0, "areas");
     take(BINDING_CHUNK, sizeof(ChunkState) + 4 * n * words_per_cell(settings), "chunk");
     take(BINDING_GEOMETRY, settings.measure ? n * geometry_components * number_bytes : 0, "geometry");
@@ -130,7 +133,8 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     clip_.row_stride = rows_.row_stride = cells_;
     rows_.second_row_stride = todo_capacity_;
     rows_.second_first = static_cast<std::uint32_t>(second_first_);
-    todo_ = {count, max_of_tile_, settings.local_size, 0};
+    knn_.keeps = clip_.keeps = static_cast<std::uint32_t>(keeps_);
+    todo_ = {count, max_of_tile_, settings.local_size, 0, clip_.keeps};
     clip_.walls = job.walls ? 1 : 0;
     clip_.neighbors = job.neighbors ? 1 : 0;
     clip_.volume_tolerance = static_cast<float>(job.volume_tolerance);
@@ -149,7 +153,9 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     both_.walls = clip_.walls;
     both_.neighbors = clip_.neighbors;
     both_.volume_tolerance = clip_.volume_tolerance;
+    both_.keeps = clip_.keeps;
     both_again_ = both_;
+    if (keeps_ != 0) both_again_.keeps -= static_cast<std::uint32_t>(second_first_);
     both_again_.max_visits = settings.max_subgroup_visits[1];
     both_again_.row_stride = todo_capacity_;
     second_bindings_ = bindings_;
@@ -197,6 +203,7 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     } else {
         ClipPush second = clip_;
         second.row_stride = todo_capacity_;
+        second.keeps = both_again_.keeps;
         recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(second), state(),
                                    offsetof(ChunkState, groups_x));
     }

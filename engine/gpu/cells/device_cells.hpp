@@ -46,7 +46,7 @@ public:
     [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device);
     void set_rows_out(const RowsOut& rows);
 
-    // Sets the sorted seeds first .. first + count - 1.
+    // Sets the sorted seeds first .. first + count - 1. With PassSettings::follow these are all.
     void set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job, std::uint32_t first,
                  std::uint32_t count);
     // Records nothing but a reset where subgroups search as they clip.
@@ -54,6 +54,10 @@ public:
     void record_clip(Recorder& recorder, const Passes& passes, bool second_tier, bool ties = false) const;
     // Records the copy of rows one after the other, from entry row_base of the chunk's state on.
     void record_rows(Recorder& recorder, const Passes& passes) const;
+
+    // What the passes for kept cells need of the job.
+    [[nodiscard]] const ClipPush& clip_push() const { return clip_; }
+    [[nodiscard]] const Bindings& bindings() const { return bindings_; }
 
     [[nodiscard]] std::uint32_t capacity() const { return cells_; }
     // Returns the most entries that the rows of `cells` cells have.
@@ -71,6 +75,7 @@ public:
 private:
     std::uint32_t cells_ = 0, todo_capacity_ = 0, max_of_tile_ = 0;
     VkDeviceSize second_first_ = 0;               // entry of the rows
+    VkDeviceSize keeps_ = 0;                      // the same, of the columns of kept cells; 0: there are none
     std::uint32_t planes_ = 0, more_planes_ = 0;  // of a cell, and how many more in the second tier
     Scan scan_, todo_scan_;
     Slice tiles_;  // of cells left to the second tier

@@ -56,7 +56,8 @@ void DeviceResults::record_chunk(Recorder& recorder, const Passes& passes, const
                          .geometry = sizes_.measure ? 1u : 0u,
                          .shift = 0,
                          .seed_count = 0,
-                         .own_count = job.own_count};
+                         .own_count = job.own_count,
+                         .keeps = 0};
     Bindings bindings = bindings_;
     bindings.set(BINDING_SEED_INPUT, cells.seed_input());
     bindings.set(BINDING_CHUNK, cells.chunk());

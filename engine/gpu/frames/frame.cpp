@@ -11,7 +11,7 @@ using gpu::FrameHeader;
 using gpu::FramePush;
 using gpu::vulkan::push_bytes;
 
-static_assert(sizeof(Header) == sizeof(FrameHeader) && offsetof(Header, empty) == offsetof(FrameHeader, empty));
+static_assert(sizeof(Header) == sizeof(FrameHeader) && offsetof(Header, kept) == offsetof(FrameHeader, kept));
 static_assert(sizeof(Cell) == sizeof(FrameCell) && offsetof(Cell, faces) == offsetof(FrameCell, faces));
 
 constexpr double volume_tolerance = 0.5e-5;
@@ -70,6 +70,9 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
                    plan->passes->settings.weights);
     seeds_.set_walls(plan->walls);
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
+    if (plan->options.follow)
+        kept_.reserve(workspace, plan->options.most_seeds + plan->images, plan->options.most_seeds,
+                      slice(buffers.kept, sizes.kept, "kept"));
     cells_.set_rows_out({.rows = slice(buffers.indices, sizes.indices, "indices"),
                          .areas = slice(buffers.areas, sizes.areas, "areas"),
                          .shifts = slice(buffers.shifts, sizes.shifts, "shifts"),
@@ -86,7 +89,7 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
         outputs_.set(binding, seeds_.bindings().get(binding));
     // Makes all descriptor sets: a recording of fewer seeds needs no other.
     record(VK_NULL_HANDLE,
-           {.count = plan->options.most_seeds, .count_buffer = {}, .box = {}, .cell = {}, .timestamps = {}});
+           {.count = plan->options.most_seeds, .count_buffer = {}, .box = {}, .cell = {}, .timestamps = {}, .fresh = true});
 }
 
 void detail::FrameState::record(VkCommandBuffer commands, const RecordOptions& options) {
@@ -125,7 +128,10 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
         seeds_.record_hierarchy(recorder_, passes, chunk_job(options.count));
     }
     stamp(3);
-    record_cells(options.count);
+    if (plan->options.follow)
+        record_kept_cells(options);
+    else
+        record_cells(options.count);
     recorder_.barrier_to_all();
     stamp(4);
 }
@@ -193,24 +199,53 @@ void detail::FrameState::record_cells(std::uint32_t count) {
             const auto label = recorder_.label("clip");
             cells_.record_clip(recorder_, passes, true);
         }
-        const auto label = recorder_.label("download");
-        if (job.neighbors) cells_.record_rows(recorder_, passes);
-        const FramePush push{first,
-                             cells,
-                             plan->entries,
-                             job.neighbors ? 1u : 0u,
-                             plan->options.geometry ? 1u : 0u,
-                             seeds_.units().shift,
-                             seeds_.count(),
-                             count};
-        recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
-        recorder_.barrier();
-        if (job.neighbors) {
-            recorder_.dispatch(passes.download_total, outputs_.list(), push_bytes(push), 1);
-            recorder_.barrier();
-        }
+        record_download(job, first, cells);
         first += cells;
     }
+}
+
+void detail::FrameState::record_download(const gpu::ChunkJob& job, std::uint32_t first, std::uint32_t cells) {
+    const gpu::Passes& passes = *plan->passes;
+    const auto label = recorder_.label("download");
+    if (job.neighbors) cells_.record_rows(recorder_, passes);
+    const FramePush push{first,
+                         cells,
+                         plan->entries,
+                         job.neighbors ? 1u : 0u,
+                         plan->options.geometry ? 1u : 0u,
+                         seeds_.units().shift,
+                         seeds_.count(),
+                         job.own_count,
+                         cells_.clip_push().keeps};
+    recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
+    recorder_.barrier();
+    if (!job.neighbors) return;
+    recorder_.dispatch(passes.download_total, outputs_.list(), push_bytes(push), 1);
+    recorder_.barrier();
+}
+
+void detail::FrameState::record_kept_cells(const RecordOptions& options) {
+    const gpu::Passes& passes = *plan->passes;
+    const gpu::ChunkJob job = chunk_job(options.count);
+    if (seeds_.count() > 0) cells_.set_job(seeds_, passes.settings, job, 0, seeds_.count());
+    kept_.set_job(seeds_, cells_, options.count);
+    kept_.record_recall(recorder_, passes, options.fresh);
+    for (std::uint32_t round = 0; seeds_.count() > 0; ++round) {
+        {
+            const auto label = recorder_.label("knn");
+            cells_.record_knn(recorder_, passes);
+        }
+        {
+            const auto label = recorder_.label("clip");
+            cells_.record_clip(recorder_, passes, true);
+        }
+        if (round == KEPT_ROUNDS) break;
+        const auto label = recorder_.label("kept");
+        kept_.record_match(recorder_, passes);
+        if (round + 1 == KEPT_ROUNDS) kept_.record_judgment(recorder_, passes);
+    }
+    if (seeds_.count() > 0) record_download(job, 0, seeds_.count());
+    kept_.record_store(recorder_, passes);
 }
 
 }  // namespace votess::vulkan

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gpu/cells/device_cells.hpp"
+#include "gpu/frames/kept_frames.hpp"
 #include "votess/vulkan.hpp"
 
 namespace votess::vulkan::detail {
@@ -36,10 +37,13 @@ private:
     void record_stages(const RecordOptions& options);
     void record_upload(const RecordOptions& options);
     void record_cells(std::uint32_t count);
+    void record_kept_cells(const RecordOptions& options);
+    void record_download(const gpu::ChunkJob& job, std::uint32_t first, std::uint32_t cells);
     [[nodiscard]] gpu::ChunkJob chunk_job(std::uint32_t count) const;
 
     gpu::DeviceSeeds seeds_;
     gpu::DeviceCells cells_;
+    gpu::KeptFrames kept_;
     gpu::Slice raw_, weights_, header_;
     gpu::Bindings outputs_;
     gpu::Recorder recorder_;

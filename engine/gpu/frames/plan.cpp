@@ -35,6 +35,9 @@ void check(const PlanOptions& options) {
                " is neither float32 nor float64");
     check_k_init(options.k_init);
     if (options.areas && !options.neighbors) refuse("areas follow the rows: request neighbors too");
+    if (options.follow && options.chunk_size != 0)
+        refuse("chunk_size = " + std::to_string(options.chunk_size) +
+               ", but with follow all cells are in flight at once: leave it 0");
     detail::check_domain(options);
 }
 
@@ -72,6 +75,7 @@ std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::
     settings.tiers[1].ties = !settings.weights && !settings.walls;  // with these no pass decides ties
     settings.images = detail::is_periodic(options);
     settings.triclinic = options.cell.has_value();
+    settings.follow = options.follow;
     gpu::DeviceSeeds seeds;
     detail::make_walls(*state);
     detail::set_domain(seeds, *state, {.count = options.most_seeds});  // throws where no frame is possible
@@ -79,7 +83,8 @@ std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::
     if (settings.images) state->images = options.most_images != 0 ? options.most_images : detail::usual_images(options);
     if (state->images > max_of_all)
         refuse("most_images = " + std::to_string(state->images) + " must be at most " + std::to_string(max_of_all));
-    state->chunk_cells = gpu::usual_chunk(device, settings, options.chunk_size, options.most_seeds);
+    state->chunk_cells = options.follow ? options.most_seeds + state->images
+                                        : gpu::usual_chunk(device, settings, options.chunk_size, options.most_seeds);
 
     const VkDeviceSize n = options.most_seeds;
     constexpr std::uint32_t usual_row = 20;
@@ -102,11 +107,16 @@ std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::
     seeds.reserve(workspace, options.most_seeds, state->images, static_cast<std::uint32_t>(state->walls.size()),
                   settings.weights);
     gpu::DeviceCells().reserve(workspace, state->chunk_cells, settings);
+    if (options.follow) {
+        gpu::KeptFrames().reserve(workspace, options.most_seeds + state->images, options.most_seeds, {});
+        sizes.kept = gpu::KeptFrames::bytes(options.most_seeds, settings.images);
+    }
     sizes.workspace = workspace.bytes();
     check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
     check_range(device, sizes.weights, "weights", "most_seeds or stride");
     check_range(device, sizes.cells, "cells", "most_seeds");
     check_range(device, sizes.geometry, "geometry", "most_seeds");
+    check_range(device, sizes.kept, "kept cells", "most_seeds, or leave out follow");
     check_range(device, workspace.largest(), "largest part of the workspace", "most_seeds or chunk_size");
     return state;
 }

@@ -210,6 +210,7 @@ void Passes::make_optional(PassBatch& batch) {
     download_cells = std::make_unique<Pass>(
         make<FramePush>(batch, "download_cells",
                         s.measure_float64 ? shaders::download_cells_f64 : shaders::download_cells_f32, s.local_size));
+    if (s.follow) make_kept(batch);
     if (s.walls)
         upload_walls =
             std::make_unique<Pass>(make<UploadPush>(batch, "upload_walls", shaders::upload_walls, s.local_size));
@@ -219,6 +220,31 @@ void Passes::make_optional(PassBatch& batch) {
     upload_images = std::make_unique<Pass>(make<ImagesPush>(
         batch, "upload_images", s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size,
         {has_weights(s)}));
+}
+
+void Passes::make_kept(PassBatch& batch) {
+    const PassSettings& s = settings;
+    const auto kept = [&]<class Push>(const char* name, std::span<const std::uint32_t> spirv, Push,
+                                      std::vector<vulkan::Constant> constants = {}) {
+        return std::make_unique<Pass>(make<Push>(batch, name, spirv, s.local_size, std::move(constants)));
+    };
+    using namespace shaders;
+    const vulkan::Constant walls{CONSTANT_WALLS, s.walls ? 1u : 0u};
+    kept_places = kept("kept_places", shaders::kept_places, KeptPush{});
+    kept_recall = kept("kept_recall", s.images ? kept_recall_names : shaders::kept_recall, KeptPush{});
+    clip_kept = kept("clip_kept", s.measure && s.measure_float64 ? clip_kept_f32_measure_f64 : clip_kept_f32, ClipPush{},
+                     {{CONSTANT_MAX_PLANES, KEPT_PLANES},
+                      {CONSTANT_MAX_VERTICES, KEPT_CORNERS},
+                      wanted_geometry(s),
+                      walls,
+                      unit_roundoff(batch.device()),
+                      has_weights(s)});
+    kept_match = kept("kept_match", s.images ? kept_match_names : shaders::kept_match, KeptPush{});
+    kept_cover = kept("kept_cover", shaders::kept_cover, CoverPush{},
+                      {wanted_geometry(s), walls, unit_roundoff(batch.device()), has_weights(s)});
+    kept_judge = kept("kept_judge", shaders::kept_judge, CoverPush{}, {has_weights(s)});
+    kept_drop = kept("kept_drop", shaders::kept_drop, KeptPush{});
+    kept_store = kept("kept_store", s.images ? kept_store_names : shaders::kept_store, KeptPush{});
 }
 
 void Passes::make_with_ties(Device& device) {

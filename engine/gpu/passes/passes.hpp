@@ -33,6 +33,7 @@ struct PassSettings {
     bool walls = false;                                   // there are walls of any direction
     bool images = false;                                  // recorded frames have images
     bool triclinic = false;                               // recorded frames have triclinic boxes
+    bool follow = false;                                  // recorded frames keep cells
     std::uint32_t local_size = 64;                        // work-groups of all passes that do not rely on a size
     // Invocations of a subgroup, which make a cell of the first tier together and search as they clip; 0: an invocation
     // makes a cell from a list.
@@ -74,10 +75,14 @@ struct Passes {
     // Null when not needed.
     std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;
     std::unique_ptr<vulkan::Pass> download_cells, upload_weights, image_reach, upload_walls, upload_wrap, upload_images;
+    // In their order in a frame; the first match comes with each round.
+    std::unique_ptr<vulkan::Pass> kept_places, kept_recall, clip_kept, kept_match, kept_cover, kept_judge, kept_drop,
+        kept_store;
 
 private:
     Passes(vulkan::PassBatch&& batch, const PassSettings& settings);
     void make_optional(vulkan::PassBatch& batch);
+    void make_kept(vulkan::PassBatch& batch);
 };
 
 }  // namespace votess::gpu

@@ -138,6 +138,8 @@ public:
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
     [[nodiscard]] Slice run_state() const { return bindings_.get(BINDING_RUN_STATE); }
     [[nodiscard]] Slice seed_input() const { return bindings_.get(BINDING_SEED_INPUT); }
+    // Returns for each seed of a periodic box where its images begin among the names, after record_images().
+    [[nodiscard]] Slice image_offsets() const { return image_counts_; }
     [[nodiscard]] Slice sorted_keys() const { return keys_[0]; }
     [[nodiscard]] Slice sorted_index() const { return index_[0]; }
     [[nodiscard]] Slice crowded() const { return counts_; }

@@ -32,14 +32,6 @@ PlanOptions plan_options(std::size_t n, const votess::Box& box) {
     return options;
 }
 
-// Replaces centroids: the library's lie in the periodic domain, those of a frame near their seed.
-void take_centroids(Rows& rows, const Target& target, const votess::Tessellation& t) {
-    for (std::size_t i = 0; i < t.size(); ++i)
-        if (target.cell(t.size())[i].status == 0)
-            std::copy_n(t.centroids().begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
-                        rows.centroids.begin() + static_cast<std::ptrdiff_t>(3 * i));
-}
-
 struct Moving {
     PointSet set;
     std::vector<double> weights;  // empty: the plan has none

@@ -144,6 +144,7 @@ TEST_SUITE("stages") {
             s.images = bit(3);
             s.walls = bit(6);
             s.triclinic = bit(0);
+            s.follow = bit(2);
             s.subgroup_size = bit(4) ? 32 : 0;
             s.tiers[0].float64 = bit(5) && device->has_float64();
             s.weights = bit(6);

@@ -121,20 +121,27 @@ TEST_SUITE("stages") {
         const auto knn = filled<KnnPush>();
         check("KnnPush", shaders::test_layout_knn, knn,
               words_of(knn.lower, knn.upper, knn.bounded, knn.first_cell, knn.cell_count, knn.seed_count, knn.own_count,
-                       knn.level_count, knn.max_visits, knn.level_first));
+                       knn.level_count, knn.max_visits, knn.keeps, knn.level_first));
         const auto clip = filled<ClipPush>();
         check("ClipPush", shaders::test_layout_clip, clip,
               words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.row_stride,
-                       clip.walls, clip.neighbors, clip.volume_tolerance, clip.max_visits, clip.bounded,
-                       clip.level_count, clip.level_first));
+                       clip.walls, clip.neighbors, clip.volume_tolerance, clip.max_visits, clip.bounded, clip.keeps,
+                       clip.kept_reach, clip.level_count, clip.level_first));
         const auto cells = filled<CellsPush>();
         check("CellsPush", shaders::test_layout_cells, cells,
               words_of(cells.extent, cells.lower, cells.upper, cells.bounded, cells.first_cell, cells.cell_count,
                        cells.seed_count, cells.own_count, cells.level_count, cells.max_visits, cells.row_stride,
-                       cells.walls, cells.neighbors, cells.volume_tolerance));
+                       cells.walls, cells.neighbors, cells.volume_tolerance, cells.keeps));
+        const auto kept = filled<KeptPush>();
+        check("KeptPush", shaders::test_layout_kept, kept,
+              words_of(kept.cell_count, kept.own_count, kept.image_count, kept.keeps, kept.capacity));
+        const auto cover = filled<CoverPush>();
+        check("CoverPush", shaders::test_layout_cover, cover,
+              words_of(cover.extent, cover.vectors, cover.periodic, cover.bounded, cover.cell_count, cover.seed_count,
+                       cover.own_count, cover.keeps, cover.root));
         const auto todo = filled<TodoPush>();
         check("TodoPush", shaders::test_layout_todo, todo,
-              words_of(todo.cell_count, todo.max_of_tile, todo.group, todo.places));
+              words_of(todo.cell_count, todo.max_of_tile, todo.group, todo.places, todo.keeps));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
               words_of(rows.first_cell, rows.cell_count, rows.row_stride, rows.second_row_stride, rows.second_first,
@@ -149,12 +156,13 @@ TEST_SUITE("stages") {
         Reader reader;
         const auto push = filled<FramePush>();
         const Words push_words = words_of(push.first_cell, push.cell_count, push.capacity, push.neighbors,
-                                          push.geometry, push.shift, push.seed_count, push.own_count);
+                                          push.geometry, push.shift, push.seed_count, push.own_count, push.keeps);
         CHECK(sizeof push == 4 * push_words.size());
         CHECK(reader.push(shaders::test_layout_frame, push) == push_words);
         const auto header = filled<FrameHeader>();
         const Words header_words = words_of(header.seeds, header.certified, header.unresolved, header.duplicates,
-                                            header.outside, header.entries, header.faces, header.images, header.empty);
+                                            header.outside, header.entries, header.faces, header.images, header.empty,
+                                            header.kept);
         CHECK(sizeof header == 4 * header_words.size());
         CHECK(reader.buffer(shaders::test_layout_header, push_bytes(header)) == header_words);
         const auto cell = filled<FrameCell>();
@@ -173,7 +181,9 @@ TEST_SUITE("stages") {
         const auto chunk = filled<ChunkState>();
         const Words chunk_words =
             words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z, chunk.subgroups_x,
-                     chunk.subgroups_y, chunk.subgroups_z, chunk.left_count, chunk.row_base, chunk.unused);
+                     chunk.subgroups_y, chunk.subgroups_z, chunk.left_count, chunk.row_base, chunk.kept_pending,
+                     chunk.kept_over, chunk.kept_over_cell, chunk.kept_failed, chunk.unknown_count, chunk.kept_point,
+                     chunk.unknown, chunk.unused);
         CHECK(sizeof chunk == 4 * chunk_words.size());
         CHECK(reader.buffer(shaders::test_layout_chunk, push_bytes(chunk)) == chunk_words);
         const auto wall = filled<WallPlane>();

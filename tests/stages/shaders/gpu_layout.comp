@@ -94,6 +94,7 @@ void main() {
     put(push.own_count);
     put(push.level_count);
     put(push.max_visits);
+    put(push.keeps);
     for (int i = 0; i < MAX_LEVELS; ++i) put(push.level_first[i]);
 #elif defined(CLIP)
     put(push.extent);
@@ -107,6 +108,8 @@ void main() {
     put(push.volume_tolerance);
     put(push.max_visits);
     put(push.bounded);
+    put(push.keeps);
+    put(push.kept_reach);
     put(push.level_count);
     for (int i = 0; i < MAX_LEVELS; ++i) put(push.level_first[i]);
 #elif defined(CELLS)
@@ -124,11 +127,29 @@ void main() {
     put(push.walls);
     put(push.neighbors);
     put(push.volume_tolerance);
+    put(push.keeps);
+#elif defined(KEPT)
+    put(push.cell_count);
+    put(push.own_count);
+    put(push.image_count);
+    put(push.keeps);
+    put(push.capacity);
+#elif defined(COVER)
+    put(push.extent);
+    for (int i = 0; i < 9; ++i) put(push.vectors[i]);
+    put(push.periodic);
+    put(push.bounded);
+    put(push.cell_count);
+    put(push.seed_count);
+    put(push.own_count);
+    put(push.keeps);
+    put(push.root);
 #elif defined(TODO)
     put(push.cell_count);
     put(push.max_of_tile);
     put(push.group);
     put(push.places);
+    put(push.keeps);
 #elif defined(ROWS)
     put(push.first_cell);
     put(push.cell_count);
@@ -157,6 +178,7 @@ void main() {
     put(push.shift);
     put(push.seed_count);
     put(push.own_count);
+    put(push.keeps);
 #elif defined(RUN)
     put(state.lossy);
     put(state.suspects);
@@ -177,6 +199,13 @@ void main() {
     put(state.subgroups_z);
     put(state.left_count);
     put(state.row_base);
+    put(state.kept_pending);
+    put(state.kept_over);
+    put(state.kept_over_cell);
+    put(state.kept_failed);
+    put(state.unknown_count);
+    put(state.kept_point);
+    for (int i = 0; i < KEPT_UNKNOWN; ++i) put(state.unknown[i]);
     for (int i = 0; i < state.unused.length(); ++i) put(state.unused[i]);
 #elif defined(HEADER)
     put(state.seeds);
@@ -188,6 +217,7 @@ void main() {
     put(state.faces);
     put(state.images);
     put(state.empty);
+    put(state.kept);
 #elif defined(CELL)
     put(state.status);
     put(state.row_begin);

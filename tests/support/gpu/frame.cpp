@@ -79,6 +79,13 @@ template Rows collect<float>(const Plan&, const Target&, std::size_t, const std:
 template Rows collect<double>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&,
                               const std::optional<votess::TriclinicBox>&);
 
+void take_centroids(Rows& rows, const Target& target, const votess::Tessellation& t) {
+    for (std::size_t i = 0; i < t.size(); ++i)
+        if (target.cell(t.size())[i].status == 0)
+            std::copy_n(t.centroids().begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
+                        rows.centroids.begin() + static_cast<std::ptrdiff_t>(3 * i));
+}
+
 std::string compare(const Rows& rows, const votess::Tessellation& t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
         const std::string where = "cell " + std::to_string(i) + ": ";

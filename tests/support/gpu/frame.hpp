@@ -55,7 +55,7 @@ struct Host {
 
 // Buffers of a frame, visible to the host.
 struct Target {
-    vk::Buffer seeds, weights, workspace, header, cells, indices, geometry, areas, shifts;
+    vk::Buffer seeds, weights, workspace, header, cells, indices, geometry, areas, shifts, kept;
     Frame frame;
 
     Target(Host& host, const Plan& plan) {
@@ -70,6 +70,7 @@ struct Target {
         geometry = visible(sizes.geometry);
         areas = visible(sizes.areas);
         shifts = visible(sizes.shifts);
+        kept = host.memory.buffer(sizes.kept, vk::MemoryKind::device);
         frame = plan.frame({.seeds = {seeds.handle()},
                             .workspace = {workspace.handle()},
                             .header = {header.handle()},
@@ -78,7 +79,8 @@ struct Target {
                             .geometry = {geometry.handle()},
                             .areas = {areas.handle()},
                             .shifts = {shifts.handle()},
-                            .weights = {weights.handle()}});
+                            .weights = {weights.handle()},
+                            .kept = {kept.handle()}});
     }
 
     template <class Real>
@@ -114,6 +116,9 @@ struct Rows {
 template <class Real>
 Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box = {},
              const std::optional<votess::TriclinicBox>& cell = {});
+
+// Replaces centroids of certified cells: the library's lie in the periodic domain, those of a frame near their seed.
+void take_centroids(Rows& rows, const Target& target, const votess::Tessellation& t);
 
 // A frame of a plan of its own, recorded and done.
 struct OneFrame {
