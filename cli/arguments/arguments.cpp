@@ -320,7 +320,7 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     const bool in_mesh = !arguments.mesh_file.empty();
     if (typed.has("--min-edge") && !any_output_has(arguments.outputs, in_mesh ? joined_pieces : shared_faces))
         throw bad_input(std::string("--min-edge is for meshes of solvers: add -o FILE in ") +
-                        (in_mesh ? ".foam or .msh" : ".foam, .tess, .msh or .stl"));
+                        (in_mesh ? ".foam, .msh or .cgns" : ".foam, .tess, .msh, .cgns or .stl"));
     for (const std::string& path : arguments.outputs)
         if (typed.has("--gap") && output_has(path, joined_pieces))
             throw bad_input("--gap parts the pieces, and output " + in_quotes(path) + " joins them: leave out --gap");
@@ -426,7 +426,8 @@ void check_mesh(const Arguments& arguments) {
         if (output_has(path, polyhedra) && !output_has(path, cell_pieces))
             throw bad_input(
                 "output " + in_quotes(path) +
-                " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl, .3mf, .foam or .msh");
+                " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl, .3mf, .foam, .msh or "
+                ".cgns");
     for (const std::string& path : arguments.outputs)
         if (arguments.options.planar && output_has(path, polyhedra))
             throw bad_input("output " + in_quotes(path) + " holds no polygons with holes: write pieces as .geojson");

@@ -151,6 +151,7 @@ void write_glb(OutputFile& file, const OutputData& data);
 void write_foam(OutputFile& file, const OutputData& data);
 void write_tess(OutputFile& file, const OutputData& data);
 void write_msh(OutputFile& file, const OutputData& data);
+void write_cgns(OutputFile& file, const OutputData& data);
 void write_stl(OutputFile& file, const OutputData& data);
 void write_3mf(OutputFile& file, const OutputData& data);
 void write_geojson(OutputFile& file, const OutputData& data);

@@ -232,13 +232,32 @@ private:
         }
         return sum;
     }
-    // Whether the normal is still near that of the cells' plane. The angle is at most 37 degrees, so that the face
-    // still leads from one cell to the other.
+    // Whether the normal is still near that of the cells' plane, and those of the triangles of a fan too. The angle is at
+    // most 37 degrees, so that the face still leads from one cell to the other, and does not fold onto another one.
     [[nodiscard]] bool keeps_direction(std::size_t face) const {
-        constexpr double least_cosine = 0.8;
-        if (polygons_[face].empty()) return true;
-        const Vector3 now = area(polygons_[face]), &first = areas_[face];
-        return dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2]);
+        constexpr double least_cosine = 0.8, no_area = 1e-9;  // triangles in a straight line have any direction
+        const Polygon& polygon = polygons_[face];
+        const std::size_t n = polygon.size();
+        const Vector3& first = areas_[face];
+        const double size = length3(first[0], first[1], first[2]);
+        const auto is_near = [&](const Vector3& normal, double least) {
+            const double length = length3(normal[0], normal[1], normal[2]);
+            return length <= least || dot(normal, first) > least_cosine * length * size;
+        };
+        const auto is_flat = [&](std::size_t apex) {
+            const Vector3 origin = mesh_.vertex(polygon[apex]);
+            for (std::size_t k = 1; k + 1 < n; ++k)
+                if (!is_near(cross(minus(mesh_.vertex(polygon[(apex + k) % n]), origin),
+                                   minus(mesh_.vertex(polygon[(apex + k + 1) % n]), origin)),
+                             no_area * size))
+                    return false;
+            return true;
+        };
+        if (n == 0) return true;
+        if (!is_near(area(polygon), 0)) return false;
+        for (std::size_t apex = 0; apex < n; ++apex)
+            if (is_flat(apex)) return true;
+        return false;
     }
 
     // Whether the faces of a cell are closed, are one surface without holes, and enclose it.

@@ -32,7 +32,7 @@ struct Patch {
 };
 
 struct SharedMesh {
-    // Collapses edges below Mesh::min_edge. Throws invalid_argument for cells that are not closed, and for a face that
+    // Collapses edges below Mesh::min_edge, and calls Mesh::measure. Throws invalid_argument for cells that are not closed, and for a face that
     // the cell behind it lacks.
     explicit SharedMesh(const Mesh& mesh);
 
