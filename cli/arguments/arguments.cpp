@@ -420,8 +420,6 @@ void check_endless(const Arguments& arguments) {
 // Parts of cells in a mesh have no polygons.
 void check_mesh(const Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
-    if (arguments.picture && arguments.picture->options.slice)
-        throw bad_input("--slice does not work in a mesh: leave it out for a picture of the pieces");
     for (const std::string& path : arguments.outputs)
         if (output_has(path, polyhedra) && !output_has(path, cell_pieces))
             throw bad_input(

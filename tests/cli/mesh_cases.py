@@ -344,7 +344,8 @@ class SolverFiles(ReaderTest):
 
     def test_files_for_solvers(self):
         (self.folder / "run").mkdir()
-        done = self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-o", "run/case.foam", "-o", "a.msh", "-o", "a.tess")
+        done = self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-o", "run/case.foam", "-o", "a.msh", "-o", "a.tess", "-o", "a.cgns")
+        self.assertTrue((self.folder / "a.cgns").read_bytes().startswith(b"\x89HDF\r\n\x1a\n"))
         self.assertIn("has non-orthogonality up to", done.stderr)
         mesh = self.folder / "run/constant/polyMesh"
         self.assertEqual(sorted(path.name for path in mesh.iterdir()), ["boundary", "faces", "neighbour", "owner", "points"])
@@ -372,7 +373,7 @@ class SolverFiles(ReaderTest):
         self.assertLess((mesh / "points").read_text().count("\n"), 0.95 * before)
         self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 30)
         self.refuse("--random", "30", "--mesh", "tetra.off", "--gap", "0.1", "-o", "b.foam", says="--gap parts the pieces")
-        self.refuse("--random", "30", "--mesh", "tetra.off", "--min-edge", "0.1", "-o", "b.stl", says="add -o FILE in .foam or .msh")
+        self.refuse("--random", "30", "--mesh", "tetra.off", "--min-edge", "0.1", "-o", "b.stl", says="add -o FILE in .foam, .msh or .cgns")
         self.refuse("--random", "30", "--mesh", "tetra.off", "-o", "b.tess", says="polygons of whole cells")
 
     def test_refusals(self):
