@@ -194,15 +194,14 @@ struct Format {
 };
 
 constexpr Format<files::Mesh> mesh_formats[] = {
-    {".vtu", files::write_vtu},   {".ply", files::write_ply},   {".obj", files::write_obj}, {".glb", files::write_glb},
-    {".foam", files::write_foam}, {".tess", files::write_tess}, {".msh", files::write_msh}, {".stl", files::write_stl},
-    {".cgns", files::write_cgns}};
+    {".vtu", files::write_vtu}, {".ply", files::write_ply},   {".obj", files::write_obj},
+    {".glb", files::write_glb}, {".foam", files::write_foam}, {".tess", files::write_tess},
+    {".msh", files::write_msh}, {".stl", files::write_stl},   {".cgns", files::write_cgns}};
 
 constexpr Format<files::Pieces> piece_formats[] = {
-    {".glb", files::write_pieces_glb},        {".obj", files::write_pieces_obj},   {".stl", files::write_pieces_stl},
-    {".3mf", files::write_pieces_3mf},        {".foam", files::write_pieces_foam}, {".msh", files::write_pieces_msh},
-    {".cgns", files::write_pieces_cgns},
-    {".geojson", files::write_pieces_geojson}};
+    {".glb", files::write_pieces_glb},   {".obj", files::write_pieces_obj},        {".stl", files::write_pieces_stl},
+    {".3mf", files::write_pieces_3mf},   {".foam", files::write_pieces_foam},      {".msh", files::write_pieces_msh},
+    {".cgns", files::write_pieces_cgns}, {".geojson", files::write_pieces_geojson}};
 
 template <class Arrays>
 void write_format(std::span<const Format<Arrays>> formats, std::string_view name, const Arrays& arrays,

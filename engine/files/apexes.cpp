@@ -14,39 +14,28 @@ namespace {
 
 using Line = std::array<std::int32_t, 2>;  // the lower vertex first
 
-// Returns the corners from best to worst. First those whose fan has no triangle that is turned away from the face by
-// more than 37 degrees, then by the thickness of the thinnest triangle. Thickness is the area along the face's normal,
-// divided by the square of the longest side.
+// Returns the corners from best to worst: those with flat fans first, then by the thickness of the thinnest triangle.
+// Thickness is the area, divided by the square of the longest side.
 std::vector<std::size_t> by_thickness(const SharedMesh& mesh, std::size_t face) {
     const auto polygon = mesh.polygon(face);
     const std::size_t n = polygon.size();
-    Vector3 normal{};
-    for (std::size_t k = 1; k + 1 < n; ++k) {
-        const Vector3 origin = mesh.vertex(polygon[0]);
-        const Vector3 area = cross(minus(mesh.vertex(polygon[k]), origin), minus(mesh.vertex(polygon[k + 1]), origin));
-        for (std::size_t d = 0; d < 3; ++d) normal[d] += area[d];
-    }
-    const double size = std::sqrt(dot(normal, normal));
-    constexpr double least_cosine = 0.8, no_area = 1e-9;  // triangles in a straight line have any direction
     std::vector<std::tuple<bool, double, std::size_t>> ratios;
     for (std::size_t apex = 0; apex < n; ++apex) {
         double least = std::numeric_limits<double>::infinity();
-        bool turns = false;
         const Vector3 origin = mesh.vertex(polygon[apex]);
         for (std::size_t k = 1; k + 1 < n; ++k) {
             const Vector3 a = minus(mesh.vertex(polygon[(apex + k) % n]), origin),
                           b = minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin), c = minus(b, a),
                           area = cross(a, b);
             const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
-            const double length = std::sqrt(dot(area, area));
-            turns |= length > no_area * size && dot(area, normal) < least_cosine * length * size;
-            least = std::min(least, longest > 0 && size > 0 ? dot(area, normal) / (longest * size) : 0);
+            least = std::min(least, longest > 0 ? std::sqrt(dot(area, area)) / longest : 0);
         }
-        ratios.emplace_back(turns, -least, apex);
+        const bool folds = !mesh.normals.empty() && !has_flat_fan(mesh, polygon, apex, mesh.normals[face]);
+        ratios.emplace_back(folds, -least, apex);
     }
     std::ranges::sort(ratios);
     std::vector<std::size_t> result;
-    for (const auto& [turns, least, apex] : ratios) result.push_back(apex);
+    for (const auto& [folds, least, apex] : ratios) result.push_back(apex);
     return result;
 }
 
@@ -92,6 +81,21 @@ private:
 };
 
 }  // namespace
+
+bool has_flat_fan(const SharedMesh& mesh, std::span<const std::int32_t> polygon, std::size_t apex,
+                  const Vector3& direction) {
+    constexpr double least_cosine = 0.5, no_area = 1e-9;  // triangles in a straight line have any direction
+    const std::size_t n = polygon.size();
+    const Vector3 origin = mesh.vertex(polygon[apex]);
+    const double size = length3(direction[0], direction[1], direction[2]);
+    for (std::size_t k = 1; k + 1 < n; ++k) {
+        const Vector3 area = cross(minus(mesh.vertex(polygon[(apex + k) % n]), origin),
+                                   minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin));
+        const double length = length3(area[0], area[1], area[2]);
+        if (length > no_area * size && dot(area, direction) < least_cosine * length * size) return false;
+    }
+    return true;
+}
 
 std::vector<std::size_t> apexes(const SharedMesh& mesh) {
     constexpr auto none = static_cast<std::size_t>(-1);

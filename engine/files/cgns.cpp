@@ -44,7 +44,10 @@ public:
         const std::size_t vertices = mesh_.vertices.size() / 3, faces = mesh_.faces.size(), cells = mesh_.cells();
         std::vector<Hdf5Node> coordinates;
         for (std::size_t k = 0; k < 3; ++k)
-            coordinates.push_back({std::string("Coordinate") + "XYZ"[k], "DataArray_t", NodeType::float64, {vertices},
+            coordinates.push_back({std::string("Coordinate") + "XYZ"[k],
+                                   "DataArray_t",
+                                   NodeType::float64,
+                                   {vertices},
                                    [this, k, vertices](ByteSink& sink) {
                                        for (std::size_t v = 0; v < vertices; ++v)
                                            sink.put_binary(mesh_.vertices[3 * v + k]);
@@ -52,21 +55,26 @@ public:
         std::vector<Hdf5Node> zone;
         zone.push_back(text("ZoneType", "ZoneType_t", "Unstructured"));
         zone.push_back(group("GridCoordinates", "GridCoordinates_t", std::move(coordinates)));
-        zone.push_back(elements("Faces", polygons, 0, faces,
-                                [&](std::size_t f) -> std::span<const std::int32_t> { return mesh_.polygon(f); }, 1));
-        zone.push_back(elements("Cells", polyhedra, faces, cells, [&](std::size_t i) { return cells_.of(i); }, 0));
+        zone.push_back(elements(
+            "Faces", polygons, 0, faces,
+            [&](std::size_t f) -> std::span<const std::int32_t> { return mesh_.polygon(f); }, 1));
+        zone.push_back(elements(
+            "Cells", polyhedra, faces, cells, [&](std::size_t i) { return cells_.of(i); }, 0));
         std::vector<Hdf5Node> walls, connections;
         for (const Patch& patch : mesh_.patches) (patch.wall != 0 ? walls : connections).push_back(boundary(patch));
         if (!walls.empty()) zone.push_back(group("ZoneBC", "ZoneBC_t", std::move(walls)));
         if (!connections.empty())
             zone.push_back(group("ZoneGridConnectivity", "ZoneGridConnectivity_t", std::move(connections)));
-        zone.push_back(group(
-            "Rows", "FlowSolution_t",
-            {text("GridLocation", "GridLocation_t", "CellCenter"),
-             integers("Row", "DataArray_t", {cells}, [this](std::size_t i) { return row_of(i); })}));
-        std::vector<Hdf5Node> base{{"Zone", "Zone_t", integer_, {3, 1}, put_all({vertices, cells, 0}), std::move(zone)}};
+        zone.push_back(group("Rows", "FlowSolution_t",
+                             {text("GridLocation", "GridLocation_t", "CellCenter"),
+                              integers("Row", "DataArray_t", {cells}, [this](std::size_t i) { return row_of(i); })}));
+        std::vector<Hdf5Node> base{
+            {"Zone", "Zone_t", integer_, {3, 1}, put_all({vertices, cells, 0}), std::move(zone)}};
         write_nodes({numbers<float>("CGNSLibraryVersion", "CGNSLibraryVersion_t", NodeType::float32, {3.4F}),
-                     {"Base", "CGNSBase_t", NodeType::int32, {2},
+                     {"Base",
+                      "CGNSBase_t",
+                      NodeType::int32,
+                      {2},
                       [](ByteSink& sink) {
                           for (int k = 0; k < 2; ++k) sink.put_binary(std::int32_t{3});
                       },
@@ -106,7 +114,8 @@ private:
         const auto put_starts = [this, count, parts](ByteSink& out) {
             std::int64_t start = 0;
             put_integer(out, start);
-            for (std::size_t e = 0; e < count; ++e) put_integer(out, start += static_cast<std::int64_t>(parts(e).size()));
+            for (std::size_t e = 0; e < count; ++e)
+                put_integer(out, start += static_cast<std::int64_t>(parts(e).size()));
         };
         const auto put_parts = [this, count, parts, base](ByteSink& out) {
             for (std::size_t e = 0; e < count; ++e)
@@ -136,12 +145,11 @@ private:
         children.push_back(text("GridConnectivityType", "GridConnectivityType_t", "Abutting1to1"));
         children.push_back(integers("PointListDonor", "IndexArray_t", {patch.count, 1},
                                     [twin](std::size_t k) { return twin + k + 1; }));
-        children.push_back(
-            group("GridConnectivityProperty", "GridConnectivityProperty_t",
-                  {group("Periodic", "Periodic_t",
-                         {numbers("RotationCenter", "DataArray_t", NodeType::float32, nothing),
-                          numbers("RotationAngle", "DataArray_t", NodeType::float32, nothing),
-                          numbers("Translation", "DataArray_t", NodeType::float32, translation)})}));
+        children.push_back(group("GridConnectivityProperty", "GridConnectivityProperty_t",
+                                 {group("Periodic", "Periodic_t",
+                                        {numbers("RotationCenter", "DataArray_t", NodeType::float32, nothing),
+                                         numbers("RotationAngle", "DataArray_t", NodeType::float32, nothing),
+                                         numbers("Translation", "DataArray_t", NodeType::float32, translation)})}));
         Hdf5Node node = text(patch.name(given_), "GridConnectivity_t", "Zone");
         node.children = std::move(children);
         return node;

@@ -154,13 +154,9 @@ private:
         faces.erase(std::ranges::unique(faces).begin(), faces.end());
         std::vector<Polygon> before;
         for (const std::size_t f : faces) before.push_back(polygons_[f]);
-        std::vector<std::vector<std::int32_t>> folds;
-        for (const Edge& one : images) folds.push_back(folds_at(one));
         bool good = true;
         for (std::size_t k = 0; good && k < faces.size(); ++k) good = rename(faces[k], images);
         good = good && are_twins(faces);
-        for (std::size_t k = 0; good && k < images.size(); ++k)
-            good = std::ranges::includes(folds[k], folds_at(images[k]));
         for (std::size_t k = 0; good && k < faces.size(); ++k) good = keeps_direction(faces[k]);
         if (good) {
             std::vector<std::int32_t> cells;
@@ -195,42 +191,6 @@ private:
     [[nodiscard]] bool is_edge_of_boundary(const Edge& edge) const {
         return std::ranges::any_of(faces_of_[at(edge.dropped)],
                                    [&](std::size_t f) { return is_boundary(f) && are_beside(polygons_[f], edge); });
-    }
-
-    // Returns the vertices, ascending, that share several faces with an end of the edge, one of them at the boundary, but
-    // not a side in each. There a face would fold onto the boundary, which meshers refuse.
-    [[nodiscard]] std::vector<std::int32_t> folds_at(const Edge& edge) const {
-        struct Corner {
-            std::int32_t vertex;
-            bool has_side, at_boundary;
-        };
-        std::vector<std::size_t> faces = faces_of_[at(edge.kept)];
-        faces.insert(faces.end(), faces_of_[at(edge.dropped)].begin(), faces_of_[at(edge.dropped)].end());
-        std::ranges::sort(faces);
-        faces.erase(std::ranges::unique(faces).begin(), faces.end());
-        std::vector<std::int32_t> found;
-        for (const std::int32_t end : {edge.kept, edge.dropped}) {
-            std::vector<Corner> corners;
-            for (const std::size_t f : faces) {
-                const Polygon& polygon = polygons_[f];
-                const std::size_t n = polygon.size();
-                const auto own = static_cast<std::size_t>(std::ranges::find(polygon, end) - polygon.begin());
-                for (std::size_t k = 1; own < n && k < n; ++k)
-                    corners.push_back({polygon[(own + k) % n], k == 1 || k + 1 == n, is_boundary(f)});
-            }
-            std::ranges::sort(corners, {}, &Corner::vertex);
-            for (std::size_t i = 0, j = 0; i < corners.size(); i = j) {
-                bool all_sides = true, any_boundary = false;
-                for (j = i; j < corners.size() && corners[j].vertex == corners[i].vertex; ++j) {
-                    all_sides &= corners[j].has_side;
-                    any_boundary |= corners[j].at_boundary;
-                }
-                if (j - i > 1 && !all_sides && any_boundary) found.push_back(corners[i].vertex);
-            }
-        }
-        std::ranges::sort(found);
-        found.erase(std::ranges::unique(found).begin(), found.end());
-        return found;
     }
 
     // Renames dropped corners. A face with two corners vanishes. Returns whether the face visits no vertex twice. The
@@ -272,33 +232,17 @@ private:
         }
         return sum;
     }
-    // Whether the normal is still near that of the cells' plane: the angle is at most 37 degrees, so that the face still
-    // leads from one cell to the other. Those of the triangles of a fan are within 60 degrees, so that no part of it
-    // folds onto another face.
+    // Whether the normal is still near that of the cells' plane: the angle is at most 37 degrees, so that the face
+    // still leads from one cell to the other. There is a fan of triangles no part of which folds onto another face.
     [[nodiscard]] bool keeps_direction(std::size_t face) const {
-        constexpr double least_cosine = 0.8, least_of_triangle = 0.5;
-        constexpr double no_area = 1e-9;  // triangles in a straight line have any direction
+        constexpr double least_cosine = 0.8;
         const Polygon& polygon = polygons_[face];
-        const std::size_t n = polygon.size();
-        const Vector3& first = areas_[face];
-        const double size = length3(first[0], first[1], first[2]);
-        const auto is_near = [&](const Vector3& normal, double cosine, double least) {
-            const double length = length3(normal[0], normal[1], normal[2]);
-            return length <= least || dot(normal, first) > cosine * length * size;
-        };
-        const auto is_flat = [&](std::size_t apex) {
-            const Vector3 origin = mesh_.vertex(polygon[apex]);
-            for (std::size_t k = 1; k + 1 < n; ++k)
-                if (!is_near(cross(minus(mesh_.vertex(polygon[(apex + k) % n]), origin),
-                                   minus(mesh_.vertex(polygon[(apex + k + 1) % n]), origin)),
-                             least_of_triangle, no_area * size))
-                    return false;
-            return true;
-        };
-        if (n == 0) return true;
-        if (!is_near(area(polygon), least_cosine, 0)) return false;
-        for (std::size_t apex = 0; apex < n; ++apex)
-            if (is_flat(apex)) return true;
+        if (polygon.empty()) return true;
+        const Vector3 now = area(polygon), &first = areas_[face];
+        if (!(dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2])))
+            return false;
+        for (std::size_t apex = 0; apex < polygon.size(); ++apex)
+            if (has_flat_fan(mesh_, polygon, apex, first)) return true;
         return false;
     }
 
@@ -373,6 +317,7 @@ private:
             if (polygons_[f].empty()) continue;
             faces.push_back(mesh_.faces[f]);
             planes.push_back(mesh_.planes[f]);
+            mesh_.normals.push_back(areas_[f]);
             mesh_.corners.insert(mesh_.corners.end(), polygons_[f].begin(), polygons_[f].end());
             mesh_.offsets.push_back(static_cast<std::int64_t>(mesh_.corners.size()));
         }

@@ -23,11 +23,15 @@ void put(std::string& out, std::uint64_t value, int bytes) {
 
 std::uint64_t bytes_of(NodeType type) {
     switch (type) {
-    case NodeType::none: return 0;
-    case NodeType::text: return 1;
-    case NodeType::int32:
-    case NodeType::float32: return 4;
-    default: return 8;
+        case NodeType::none:
+            return 0;
+        case NodeType::text:
+            return 1;
+        case NodeType::int32:
+        case NodeType::float32:
+            return 4;
+        default:
+            return 8;
     }
 }
 

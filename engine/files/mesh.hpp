@@ -63,8 +63,8 @@ struct Mesh {
     std::uint64_t* short_edges = nullptr;  // receives the number of those that stay
     // Called with the faces that such a file holds, before it is written; may be empty.
     std::function<void(const SharedMesh&)> measure;
-    std::span<const double> seeds;         // 3 a cell, for .tess
-    std::span<const double> weights;       // of the cells, for .tess; may be empty
+    std::span<const double> seeds;    // 3 a cell, for .tess
+    std::span<const double> weights;  // of the cells, for .tess; may be empty
     // Of pieces of cells in a mesh, else empty. Two pieces may share several faces, whose order is the same in both,
     // and sides of one piece may meet in an edge.
     std::span<const std::int32_t> rows;    // the cell of each piece, ascending

@@ -335,7 +335,8 @@ Picture render(const Pieces& pieces, const PictureOptions& options) {
     picture::check_look(options);
     picture::check_values(options, pieces.size(), "pieces");
     const auto values = options.values.empty() ? std::span(pieces.volumes) : options.values;
-    if (options.seeds && options.slice) refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
+    if (options.seeds && options.slice)
+        refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
     if (!picture::is_planar(pieces)) return picture::render_pieces(pieces, pieces.centroids, values, options);
     if (options.seeds) refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
     return picture::render_pieces(pieces, picture::in_space(pieces.centroids), values, options);

@@ -547,8 +547,8 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".msh": surfaces in triangles, each once, for Gmsh. A physical volume for each cell, a physical surface for each
 //   pair of cells and each wall
 //   - ".stl": text, a solid for each cell, named by its row; two cells have the same triangles between them
-//   - ".cgns": CGNS 3.4 in HDF5: one zone of NGON_n and NFACE_n, with the row of each cell. A boundary condition for each
-//   patch of .foam, and in a periodic domain a pair of connections
+//   - ".cgns": CGNS 3.4 in HDF5: one zone of NGON_n and NFACE_n, with the row of each cell. A boundary condition for
+//   each patch of .foam, and in a periodic domain a pair of connections
 // The last five need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
 // edges may be collapsed by mesh.min_edge: the ends become one vertex, faces with two corners vanish, and cells stay
 // closed. An edge stays if a cell would not remain a polyhedron, or a vertex would leave its walls.
@@ -571,9 +571,10 @@ typedef struct votess_piece_arrays {
     const int32_t* triangles;         // 3 * triangle_offsets[P]
     const uint8_t* on_surface;        // triangle_offsets[P]
     const double* centroids;          // 3 * P
-    const int32_t* sources;  // triangle_offsets[P], or NULL: for .foam, .msh, .cgns, and lines of votess_render_pieces()
-    double min_edge;         // in .foam, .msh and .cgns, as votess_mesh has it; 0 for none
-    uint64_t* short_edges;   // receives the number of these edges that stay; may be NULL
+    const int32_t*
+        sources;            // triangle_offsets[P], or NULL: for .foam, .msh, .cgns, and lines of votess_render_pieces()
+    double min_edge;        // in .foam, .msh and .cgns, as votess_mesh has it; 0 for none
+    uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
     votess_mesh_quality* quality;  // as votess_mesh has it
 } votess_piece_arrays;
 
@@ -583,10 +584,10 @@ typedef struct votess_piece_arrays {
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
 //   - ".stl": binary; all pieces in one
-//   - ".foam", ".msh", ".cgns": one mesh of all pieces, as votess_write_mesh() writes it of whole cells. Corners at one place
-//   become one, and pieces share the polygons between them. Needs the sources, and the pieces of all cells, without a
-//   gap. Cell k of OpenFOAM is piece k. Physical volumes of Gmsh are the rows. A patch or physical surface for each
-//   connected part of the surface: "surface", or "surface1" and on
+//   - ".foam", ".msh", ".cgns": one mesh of all pieces, as votess_write_mesh() writes it of whole cells. Corners at one
+//   place become one, and pieces share the polygons between them. Needs the sources, and the pieces of all cells,
+//   without a gap. Cell k of OpenFOAM is piece k. Physical volumes of Gmsh are the rows. A patch or physical surface
+//   for each connected part of the surface: "surface", or "surface1" and on
 //   - ".geojson": pieces of the plane, whose vertices and centroids have two components and whose triangles are edges
 VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
                                              votess_write_callback write, void* user);

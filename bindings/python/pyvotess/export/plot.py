@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from .._state import SeedCells
     from .._types import Float64Array, Int64Array
-    from ..pieces import Pieces
 
 _AXES = "xyz"
 
@@ -108,7 +107,7 @@ def sections_in_box(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, 
     return np.concatenate(found), polygons
 
 
-def _sections(pieces: Pieces, axis: int, value: float) -> Tuple[Int64Array, List[List[Float64Array]]]:
+def _sections(pieces: Any, axis: int, value: float) -> Tuple[Int64Array, List[List[Float64Array]]]:
     """Returns the pieces that a plane cuts, and their rings, which turn one way around and the other way along holes."""
     sizes = np.diff(pieces.triangle_offsets)
     corners = (pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], sizes)[:, None]).astype(np.int64)
