@@ -252,7 +252,7 @@ get an empty one, or the input is refused)",
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",
-         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh .cgns, -", .repeats = true}},
+         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .msh, -", .repeats = true}},
         {"--format FMT",
          R"(a row of text, with the codes of Voro++; default "%i %n"
   %i  id: that of the input, else the index from 0

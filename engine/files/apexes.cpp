@@ -19,7 +19,8 @@ using Line = std::array<std::int32_t, 2>;  // the lower vertex first
 std::vector<std::size_t> by_thickness(const SharedMesh& mesh, std::size_t face) {
     const auto polygon = mesh.polygon(face);
     const std::size_t n = polygon.size();
-    std::vector<std::tuple<bool, double, std::size_t>> ratios;
+    constexpr double near = 0.8;  // cosine of 37 degrees
+    std::vector<std::tuple<int, double, std::size_t>> ratios;
     for (std::size_t apex = 0; apex < n; ++apex) {
         double least = std::numeric_limits<double>::infinity();
         const Vector3 origin = mesh.vertex(polygon[apex]);
@@ -30,12 +31,12 @@ std::vector<std::size_t> by_thickness(const SharedMesh& mesh, std::size_t face) 
             const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
             least = std::min(least, longest > 0 ? std::sqrt(dot(area, area)) / longest : 0);
         }
-        const bool folds = !mesh.normals.empty() && !has_flat_fan(mesh, polygon, apex, mesh.normals[face]);
-        ratios.emplace_back(folds, -least, apex);
+        const double worst = mesh.normals.empty() ? 1 : worst_cosine(mesh, polygon, apex, mesh.normals[face]);
+        ratios.emplace_back((worst < near ? 1 : 0) + (worst < flat_fan ? 1 : 0), -least, apex);
     }
     std::ranges::sort(ratios);
     std::vector<std::size_t> result;
-    for (const auto& [folds, least, apex] : ratios) result.push_back(apex);
+    for (const auto& [folds, thickness, apex] : ratios) result.push_back(apex);
     return result;
 }
 
@@ -82,19 +83,20 @@ private:
 
 }  // namespace
 
-bool has_flat_fan(const SharedMesh& mesh, std::span<const std::int32_t> polygon, std::size_t apex,
-                  const Vector3& direction) {
-    constexpr double least_cosine = 0.5, no_area = 1e-9;  // triangles in a straight line have any direction
+double worst_cosine(const SharedMesh& mesh, std::span<const std::int32_t> polygon, std::size_t apex,
+                    const Vector3& direction) {
+    constexpr double no_area = 1e-9;  // triangles in a straight line have any direction
     const std::size_t n = polygon.size();
     const Vector3 origin = mesh.vertex(polygon[apex]);
     const double size = length3(direction[0], direction[1], direction[2]);
+    double worst = 1;
     for (std::size_t k = 1; k + 1 < n; ++k) {
         const Vector3 area = cross(minus(mesh.vertex(polygon[(apex + k) % n]), origin),
                                    minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin));
         const double length = length3(area[0], area[1], area[2]);
-        if (length > no_area * size && dot(area, direction) < least_cosine * length * size) return false;
+        if (length > no_area * size) worst = std::min(worst, dot(area, direction) / (length * size));
     }
-    return true;
+    return worst;
 }
 
 std::vector<std::size_t> apexes(const SharedMesh& mesh) {

@@ -242,7 +242,7 @@ private:
         if (!(dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2])))
             return false;
         for (std::size_t apex = 0; apex < polygon.size(); ++apex)
-            if (has_flat_fan(mesh_, polygon, apex, first)) return true;
+            if (worst_cosine(mesh_, polygon, apex, first) > flat_fan) return true;
         return false;
     }
 

@@ -95,9 +95,10 @@ private:
 // have the same triangles.
 [[nodiscard]] std::vector<std::size_t> apexes(const SharedMesh& mesh);
 
-// Returns whether the normals of the triangles around a corner are within 60 degrees of a direction.
-[[nodiscard]] bool has_flat_fan(const SharedMesh& mesh, std::span<const std::int32_t> polygon, std::size_t apex,
-                                const Vector3& direction);
+// Returns the least cosine between a direction and the normals of the triangles around a corner.
+[[nodiscard]] double worst_cosine(const SharedMesh& mesh, std::span<const std::int32_t> polygon, std::size_t apex,
+                                  const Vector3& direction);
+inline constexpr double flat_fan = 0.5;  // cosine of 60 degrees: then no part folds onto another face
 
 // Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra. Returns the number of the
 // edges that stay.
