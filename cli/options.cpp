@@ -119,17 +119,17 @@ surface_areas brings mesh_areas. Into
 .vtu, .glb, .obj, .stl and .3mf the connected pieces of cells: closed
 objects, in .vtu with the id of their cell, in others named by it, as "17",
 or "17.0", "17.1" if a cell has several; materials are inside and surface.
-Into .foam and .msh the pieces with shared faces; the surface is a patch,
-or surface1 and on where it is in several parts.
+Into .foam, .msh and .cgns the pieces with shared faces; the surface is a
+patch, or surface1 and on where it is in several parts.
 --image draws pieces. Queries have answers inside: --to-grid is 0 outside,
 and rays have their parts inside.
 .geojson: polygons with holes, in two dimensions, which it implies. Into
 .geojson the pieces of cells as polygons)",
          {.needs = Needs::all_points}},
         {"--min-edge LENGTH",
-         R"(in .foam, .tess, .msh and .stl: make one vertex of the ends of shorter
-edges. Faces with two corners vanish, cells stay closed, and vertices on
-their walls. Reports edges that stay, since a cell would be none)",
+         R"(in .foam, .tess, .msh, .cgns and .stl: make one vertex of the ends of
+shorter edges. Faces with two corners vanish, cells stay closed, and
+vertices on their walls. Reports edges that stay, since a cell would be none)",
          {.needs = Needs::cells}},
         {"--gap WIDTH",
          R"(in .glb, .obj, .stl, .3mf, .geojson and --image: leave this distance
@@ -261,7 +261,7 @@ get an empty one, or the input is refused)",
        status; without empty cells, ascending by their number of vertices:
        id names the point
 .ply   the faces, each once, with its two cells (rows from 0, walls < 0)
-.obj   the faces, each once
+.obj   a group for each cell, named by its row (from 0), with its faces
 .glb   glTF: the cells as solids in flat colors by --color, for Blender
        and browsers, about 830 bytes a cell, 4 GiB at most; the
        attribute _CELL is the row of the input
@@ -271,13 +271,15 @@ get an empty one, or the input is refused)",
 .tess  Neper: polyhedra with shared faces, seeds and weights, not periodic
 .msh   Gmsh: surfaces in triangles, each once, with a physical volume for
        each cell and a physical surface for each pair and each wall
+.cgns  CGNS 3.4: a zone of NGON_n and NFACE_n, with the row of each cell and a
+       boundary condition for each wall; periodic boundaries are connections
 .stl   text: a solid for each cell, named by its row (from 0)
 .stl .3mf  pieces of cells in a mesh, as .obj and .glb hold: see --mesh
 .geojson   pieces of cells in polygons: see --mesh
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",
-         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, -",
+         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .msh, -",
           .repeats = true,
           .on_surface = true}},
         {"--format FMT",

@@ -234,7 +234,7 @@ std::string plain_summary(const Summary& summary) {
         for (const std::string& check : summary.verified->skipped) result += ", without " + check;
         if (summary.verified->proven)
             result += ", all cells proven";
-        else
+        else if (summary.mesh.empty() || summary.verified->sampled > 0)
             result += ", " + std::to_string(summary.verified->sampled) + " of " + std::to_string(stats.points) +
                       " cells checked against every point";
         if (!summary.verified->unproven.empty()) result += ", no proof: " + summary.verified->unproven;

@@ -316,7 +316,7 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     const bool in_mesh = !arguments.mesh_file.empty();
     if (typed.has("--min-edge") && !any_output_has(arguments.outputs, in_mesh ? joined_pieces : shared_faces))
         throw bad_input(std::string("--min-edge is for meshes of solvers: add -o FILE in ") +
-                        (in_mesh ? ".foam or .msh" : ".foam, .tess, .msh or .stl"));
+                        (in_mesh ? ".foam, .msh or .cgns" : ".foam, .tess, .msh, .cgns or .stl"));
     for (const std::string& path : arguments.outputs)
         if (typed.has("--gap") && output_has(path, joined_pieces))
             throw bad_input("--gap parts the pieces, and output " + in_quotes(path) + " joins them: leave out --gap");
@@ -416,13 +416,12 @@ void check_endless(const Arguments& arguments) {
 // Parts of cells in a mesh have no polygons.
 void check_mesh(const Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
-    if (arguments.picture && arguments.picture->options.slice)
-        throw bad_input("--slice does not work in a mesh: leave it out for a picture of the pieces");
     for (const std::string& path : arguments.outputs)
         if (output_has(path, polyhedra) && !output_has(path, cell_pieces))
             throw bad_input(
                 "output " + in_quotes(path) +
-                " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl, .3mf, .foam or .msh");
+                " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl, .3mf, .foam, .msh or "
+                ".cgns");
     for (const std::string& path : arguments.outputs)
         if (arguments.options.planar && output_has(path, polyhedra))
             throw bad_input("output " + in_quotes(path) + " holds no polygons with holes: write pieces as .geojson");

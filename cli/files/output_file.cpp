@@ -126,12 +126,18 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
       target_(std::move(other.target_)),
       temporary_(std::exchange(other.temporary_, {})),
       file_(std::move(other.file_)),
-      beside_(std::move(other.beside_)) {}
+      beside_(std::move(other.beside_)),
+      made_(std::exchange(other.made_, {})) {}
 
 OutputFile::~OutputFile() {
     (void)file_.close();
     std::error_code problem;
     if (!temporary_.empty()) fs::remove(path_of(temporary_), problem);
+    beside_.clear();
+    while (!made_.empty()) {
+        fs::remove(made_.back(), problem);  // stays if others put files there
+        made_.pop_back();
+    }
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -156,12 +162,18 @@ void OutputFile::require_regular() const {
     }
 }
 
+void OutputFile::make_folders(const fs::path& folder, std::error_code& problem) {
+    if (fs::exists(folder, problem) || problem) return;
+    make_folders(folder.parent_path(), problem);
+    if (!problem && fs::create_directory(folder, problem)) made_.push_back(folder);
+}
+
 OutputFile& OutputFile::beside(const std::string& name) {
     require_regular();
     const fs::path path = folder_of(target_) / path_of(name);
     if (beside_.empty() || beside_.back().name_ != text_of(path)) {
         std::error_code problem;
-        fs::create_directories(path.parent_path(), problem);
+        make_folders(path.parent_path(), problem);
         if (problem) throw runtime_failure("cannot write " + description() + ": " + problem.message());
         beside_.emplace_back(text_of(path));
     }
@@ -190,6 +202,7 @@ void OutputFile::finish() {
 
 void OutputFile::publish() {
     for (OutputFile& file : beside_) file.publish();
+    made_.clear();
     if (target_.empty()) return;
     const fs::path target = path_of(target_);
     const auto link = [&](const fs::path& name) { return file_.give_name(name); };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,7 +46,7 @@ public:
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
-    ~OutputFile();  // removes the file unless it was published
+    ~OutputFile();  // removes the file and the folders that it made, unless it was published
 
     [[nodiscard]] std::string description() const;  // for messages
     // Unbuffered: pass large pieces. Throws Failure on a write error, Interrupted after a signal.
@@ -64,12 +65,14 @@ public:
 private:
     void require_regular() const;
     void open_temporary(Temporary temporary);
+    void make_folders(const std::filesystem::path& folder, std::error_code& problem);
 
     std::string name_;       // as given by the user, for messages
     std::string target_;     // links resolved; empty when written to directly
     std::string temporary_;  // name until publish(); may be empty
     votess::system::File file_;
     std::vector<OutputFile> beside_;
+    std::vector<std::filesystem::path> made_;  // folders, each after that which it is in; removed with the file
 };
 
 // Text and binary numbers for a file.

@@ -26,7 +26,7 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
 constexpr unsigned rows = input_columns | many_frames, atoms = table | rows | species_column | in_box,
                    mesh = polyhedra | in_box, solid = mesh | in_space, solver = solid | shared_faces,
                    of_pieces = cell_pieces | in_space;
-constexpr std::array<Kind, 20> kinds{{{".txt", write_text, text_rows | rows},
+constexpr std::array<Kind, 21> kinds{{{".txt", write_text, text_rows | rows},
                                       {".vol", write_text, text_rows | rows},
                                       {".npz", write_npz, any_arrays | input_columns},
                                       {".h5", write_hdf5, any_arrays | rows},
@@ -43,6 +43,7 @@ constexpr std::array<Kind, 20> kinds{{{".txt", write_text, text_rows | rows},
                                       {".foam", write_foam, solver | of_pieces | joined_pieces},
                                       {".tess", write_tess, solver},
                                       {".msh", nullptr, solver | of_pieces | joined_pieces},
+                                      {".cgns", nullptr, solver | of_pieces | joined_pieces},
                                       {".stl", nullptr, solver | of_pieces},
                                       {".3mf", nullptr, of_pieces},
                                       {".geojson", nullptr, cell_pieces}}};
@@ -167,7 +168,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
         if (!kind) {
             throw bad_input("cannot write " + in_quotes(path) +
                             ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb .stl .foam .tess "
-                            ".msh, with --mesh .3mf and .geojson, and text on stdout as -");
+                            ".msh .cgns, with --mesh .3mf and .geojson, and text on stdout as -");
         }
         if (kind->write == write_hdf5) check_hdf5(path);
     }

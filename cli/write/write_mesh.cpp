@@ -1,5 +1,4 @@
-// .vtu, .ply, .obj and .glb, written by votess_write_mesh(). In a mesh .obj, .glb, .stl, .3mf and .geojson of pieces,
-// written by votess_write_pieces().
+// Files of meshes, written by votess_write_mesh(). In a mesh those of pieces, written by votess_write_pieces().
 #include <votess/votess.h>
 
 #include <algorithm>
@@ -149,15 +148,13 @@ void write_pieces(OutputFile& file, const OutputData& data, const char* format) 
     arrays.min_edge = data.min_edge;
     std::uint64_t short_edges = 0;
     arrays.short_edges = &short_edges;
-    const std::string_view name = format;
-    write_by(votess_write_pieces, arrays, file, format, name == ".glb" && data.reports_size);
-    print_short_edges(file, data, short_edges);
-    if (name != ".foam" || !data.reports_size) return;
     votess_mesh_quality quality{};
     quality.struct_size = sizeof quality;
-    if (const votess_status status = votess_measure_pieces(&arrays, &quality); status != VOTESS_OK)
-        throw_last_error(status, "");
-    print_quality(file, quality);
+    const std::string_view name = format;
+    if (name == ".foam" && data.reports_size) arrays.quality = &quality;
+    write_by(votess_write_pieces, arrays, file, format, name == ".glb" && data.reports_size);
+    print_short_edges(file, data, short_edges);
+    if (arrays.quality != nullptr) print_quality(file, quality);
 }
 
 template <typename Number>
@@ -271,14 +268,11 @@ void write_tess(OutputFile& file, const OutputData& data) {
 void write_foam(OutputFile& file, const OutputData& data) {
     if (data.tessellation.in_mesh()) return write_pieces(file, data, ".foam");
     votess_mesh mesh = mesh_of(data);
-    mesh.min_edge = data.min_edge;
-    write(file, data, mesh, ".foam");
     votess_mesh_quality quality{};
     quality.struct_size = sizeof quality;
-    if (!data.reports_size) return;
-    if (const votess_status status = votess_measure_mesh(&mesh, &quality); status != VOTESS_OK)
-        throw_last_error(status, "");
-    print_quality(file, quality);
+    if (data.reports_size) mesh.quality = &quality;
+    write(file, data, mesh, ".foam");
+    if (data.reports_size) print_quality(file, quality);
 }
 
 void write_glb(OutputFile& file, const OutputData& data) {

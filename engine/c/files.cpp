@@ -79,6 +79,41 @@ files::Column column(const votess_column& given, std::uint64_t cells) {
             width * given.bytes};
 }
 
+votess_mesh_quality quality_of(const files::SharedMesh& shared) {
+    const files::MeshQuality q = files::measure(shared);
+    votess_mesh_quality out{};
+    out.struct_size = sizeof out;
+    out.cells = shared.cells();
+    out.faces = shared.faces.size();
+    out.internal_faces = shared.inner();
+    out.vertices = shared.vertices.size() / 3;
+    out.max_non_orthogonality = q.max_non_orthogonality;
+    out.mean_non_orthogonality = q.mean_non_orthogonality;
+    out.severe_faces = q.severe_faces;
+    out.max_skewness = q.max_skewness;
+    out.skew_faces = q.skew_faces;
+    out.min_area = q.min_area;
+    out.min_volume = q.min_volume;
+    out.min_edge = q.min_edge;
+    out.wrong_faces = q.wrong_faces;
+    out.wrong_cells = q.wrong_cells;
+    out.short_edges = shared.short_edges;
+    return out;
+}
+
+void check_quality(const votess_mesh_quality* quality) {
+    require(quality, "quality");
+    require_struct_size(quality->struct_size, sizeof *quality, "quality.struct_size",
+                        "give sizeof(votess_mesh_quality)");
+}
+
+// Returns what sets the quality of the mesh that is written. quality: may be NULL.
+std::function<void(const files::SharedMesh&)> measure_into(votess_mesh_quality* quality) {
+    if (quality == nullptr) return {};
+    check_quality(quality);
+    return [quality](const files::SharedMesh& mesh) { *quality = quality_of(mesh); };
+}
+
 struct CheckedMesh {
     files::Mesh mesh;
     std::optional<votess::detail::ClosedRows> closed;  // what the mesh holds of a domain without end
@@ -136,6 +171,7 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     if (given.weights != nullptr) mesh.weights = {given.weights, static_cast<std::size_t>(given.cells)};
     mesh.min_edge = checked_length(given.min_edge, "mesh.min_edge");
     mesh.short_edges = given.short_edges;
+    mesh.measure = measure_into(given.quality);
     if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};
     for (const votess_column& one : array(given.columns, given.column_count, "columns"))
         mesh.columns.push_back(column(one, given.cells));
@@ -158,13 +194,14 @@ struct Format {
 };
 
 constexpr Format<files::Mesh> mesh_formats[] = {
-    {".vtu", files::write_vtu},   {".ply", files::write_ply},   {".obj", files::write_obj}, {".glb", files::write_glb},
-    {".foam", files::write_foam}, {".tess", files::write_tess}, {".msh", files::write_msh}, {".stl", files::write_stl}};
+    {".vtu", files::write_vtu}, {".ply", files::write_ply},   {".obj", files::write_obj},
+    {".glb", files::write_glb}, {".foam", files::write_foam}, {".tess", files::write_tess},
+    {".msh", files::write_msh}, {".stl", files::write_stl},   {".cgns", files::write_cgns}};
 
 constexpr Format<files::Pieces> piece_formats[] = {
-    {".glb", files::write_pieces_glb},        {".obj", files::write_pieces_obj},   {".stl", files::write_pieces_stl},
-    {".3mf", files::write_pieces_3mf},        {".foam", files::write_pieces_foam}, {".msh", files::write_pieces_msh},
-    {".geojson", files::write_pieces_geojson}};
+    {".glb", files::write_pieces_glb},   {".obj", files::write_pieces_obj},        {".stl", files::write_pieces_stl},
+    {".3mf", files::write_pieces_3mf},   {".foam", files::write_pieces_foam},      {".msh", files::write_pieces_msh},
+    {".cgns", files::write_pieces_cgns}, {".geojson", files::write_pieces_geojson}};
 
 template <class Arrays>
 void write_format(std::span<const Format<Arrays>> formats, std::string_view name, const Arrays& arrays,
@@ -179,29 +216,6 @@ void write_format(std::span<const Format<Arrays>> formats, std::string_view name
     out.flush();
 }
 
-votess_mesh_quality quality_of(const files::Mesh& mesh) {
-    const files::SharedMesh shared(mesh);
-    const files::MeshQuality q = files::measure(shared);
-    votess_mesh_quality out{};
-    out.struct_size = sizeof out;
-    out.cells = shared.cells();
-    out.faces = shared.faces.size();
-    out.internal_faces = shared.inner();
-    out.vertices = shared.vertices.size() / 3;
-    out.max_non_orthogonality = q.max_non_orthogonality;
-    out.mean_non_orthogonality = q.mean_non_orthogonality;
-    out.severe_faces = q.severe_faces;
-    out.max_skewness = q.max_skewness;
-    out.skew_faces = q.skew_faces;
-    out.min_area = q.min_area;
-    out.min_volume = q.min_volume;
-    out.min_edge = q.min_edge;
-    out.wrong_faces = q.wrong_faces;
-    out.wrong_cells = q.wrong_cells;
-    out.short_edges = shared.short_edges;
-    return out;
-}
-
 // Pieces are joined by what lies beyond their triangles.
 void check_joined(const files::Pieces& pieces) {
     if (pieces.sources.empty() && !pieces.triangles.empty()) refuse("pieces.sources is NULL");
@@ -213,12 +227,6 @@ void check_joined(const files::Pieces& pieces) {
             refuse("pieces.sources[" + std::to_string(t) + "] is " + std::to_string(source) + ", but there are " +
                    std::to_string(pieces.ids.size()) + " rows: give the pieces of all cells");
     }
-}
-
-void check_quality(const votess_mesh_quality* quality) {
-    require(quality, "quality");
-    require_struct_size(quality->struct_size, sizeof *quality, "quality.struct_size",
-                        "give sizeof(votess_mesh_quality)");
 }
 
 votess_mesh mesh_of(const votess_mesh* mesh) {
@@ -261,6 +269,7 @@ files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::
     pieces.centroids = array(given.centroids, dimensions * count, "centroids", "pieces");
     pieces.min_edge = checked_length(given.min_edge, "pieces.min_edge");
     pieces.short_edges = given.short_edges;
+    pieces.measure = measure_into(given.quality);
     return pieces;
 }
 
@@ -286,7 +295,7 @@ votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* 
         check_quality(quality);
         if (given.planar != 0) refuse("mesh.planar is set, but quality is that of cells in space");
         const CheckedMesh checked_mesh = checked(given, true);
-        *quality = quality_of(checked_mesh.mesh);
+        *quality = quality_of(files::SharedMesh(checked_mesh.mesh));
     });
 }
 
@@ -296,7 +305,7 @@ votess_status votess_measure_pieces(const votess_piece_arrays* pieces, votess_me
         const files::Pieces arrays = checked_pieces(pieces, 3);
         check_joined(arrays);
         const files::JoinedPieces joined(arrays);
-        *quality = quality_of(joined.mesh());
+        *quality = quality_of(files::SharedMesh(joined.mesh()));
     });
 }
 
@@ -307,7 +316,7 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
         require(format, "format");
         const std::string_view name = format;
         const files::Pieces arrays = checked_pieces(pieces, name == ".geojson" ? 2 : 3);
-        if (name == ".foam" || name == ".msh") check_joined(arrays);
+        if (name == ".foam" || name == ".msh" || name == ".cgns") check_joined(arrays);
         files::ByteSink out = sink(write, user);
         write_format<files::Pieces>(piece_formats, name, arrays, out);
     });

@@ -232,13 +232,18 @@ private:
         }
         return sum;
     }
-    // Whether the normal is still near that of the cells' plane. The angle is at most 37 degrees, so that the face
-    // still leads from one cell to the other.
+    // Whether the normal is still near that of the cells' plane: the angle is at most 37 degrees, so that the face
+    // still leads from one cell to the other. There is a fan of triangles no part of which folds onto another face.
     [[nodiscard]] bool keeps_direction(std::size_t face) const {
         constexpr double least_cosine = 0.8;
-        if (polygons_[face].empty()) return true;
-        const Vector3 now = area(polygons_[face]), &first = areas_[face];
-        return dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2]);
+        const Polygon& polygon = polygons_[face];
+        if (polygon.empty()) return true;
+        const Vector3 now = area(polygon), &first = areas_[face];
+        if (!(dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2])))
+            return false;
+        for (std::size_t apex = 0; apex < polygon.size(); ++apex)
+            if (worst_cosine(mesh_, polygon, apex, first) > flat_fan) return true;
+        return false;
     }
 
     // Whether the faces of a cell are closed, are one surface without holes, and enclose it.
@@ -312,6 +317,7 @@ private:
             if (polygons_[f].empty()) continue;
             faces.push_back(mesh_.faces[f]);
             planes.push_back(mesh_.planes[f]);
+            mesh_.normals.push_back(areas_[f]);
             mesh_.corners.insert(mesh_.corners.end(), polygons_[f].begin(), polygons_[f].end());
             mesh_.offsets.push_back(static_cast<std::int64_t>(mesh_.corners.size()));
         }

@@ -1,4 +1,4 @@
-// The faces of all cells, each once, as text: .ply and .obj.
+// The faces of all cells as text: .ply, each once, and .obj, cell by cell.
 #include <algorithm>
 #include <limits>
 
@@ -87,12 +87,16 @@ void write_ply(const Mesh& mesh, ByteSink& out) {
 }
 
 void write_obj(const Mesh& mesh, ByteSink& out) {
-    out.put("# Voronoi cells by votess: each face once\n");
+    out.put("# Voronoi cells by votess: a group for each, with its faces counterclockwise seen from outside\n");
     put_vertices(mesh, "v ", out);
-    for (const Face& face : faces_once(mesh)) {
-        out.put("f");
-        for (const std::int32_t corner : mesh.polygon(face.entry)) put_next(out, std::int64_t{corner} + 1);
-        out.put("\n");
+    for (std::size_t i = 0; i < mesh.cells(); ++i) {
+        const auto [begin, end] = mesh.entries(i);
+        if (begin < end) out.put("g " + std::to_string(i) + "\n");
+        for (std::size_t k = begin; k < end; ++k) {
+            out.put("f");
+            for (const std::int32_t corner : mesh.polygon(k)) put_next(out, std::int64_t{corner} + 1);
+            out.put("\n");
+        }
     }
 }
 

@@ -507,7 +507,8 @@ private:
 
 }  // namespace
 
-JoinedPieces::JoinedPieces(const Pieces& pieces) : min_edge_(pieces.min_edge), short_edges_(pieces.short_edges) {
+JoinedPieces::JoinedPieces(const Pieces& pieces)
+    : min_edge_(pieces.min_edge), short_edges_(pieces.short_edges), measure_(pieces.measure) {
     Joiner joiner(pieces);
     joiner.make_faces();
     indptr_.assign(pieces.size() + 1, 0);
@@ -537,6 +538,7 @@ Mesh JoinedPieces::mesh() const {
     mesh.planes = planes_;
     mesh.min_edge = min_edge_;
     mesh.short_edges = short_edges_;
+    mesh.measure = measure_;
     return mesh;
 }
 
@@ -548,6 +550,11 @@ void write_pieces_foam(const Pieces& pieces, ByteSink& out) {
 void write_pieces_msh(const Pieces& pieces, ByteSink& out) {
     const JoinedPieces joined(pieces);
     write_msh(joined.mesh(), out);
+}
+
+void write_pieces_cgns(const Pieces& pieces, ByteSink& out) {
+    const JoinedPieces joined(pieces);
+    write_cgns(joined.mesh(), out);
 }
 
 }  // namespace votess::files

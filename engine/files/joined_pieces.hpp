@@ -29,6 +29,7 @@ private:
     std::vector<std::string> patches_;
     double min_edge_;
     std::uint64_t* short_edges_;
+    std::function<void(const SharedMesh&)> measure_;
 };
 
 }  // namespace votess::files

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ struct Column {
     std::size_t width;   // numbers in a row
     std::size_t row_bytes;
 };
+
+struct SharedMesh;
 
 // A view of N cells. Indices lie inside their arrays, and offsets ascend from 0.
 struct Mesh {
@@ -58,8 +61,10 @@ struct Mesh {
     bool left_out = false;                 // whether cells that reach infinity were, and the wall -1 is in their place
     double min_edge = 0;                   // collapse shorter edges, in files with shared faces
     std::uint64_t* short_edges = nullptr;  // receives the number of those that stay
-    std::span<const double> seeds;         // 3 a cell, for .tess
-    std::span<const double> weights;       // of the cells, for .tess; may be empty
+    // Called with the faces that such a file holds, before it is written; may be empty.
+    std::function<void(const SharedMesh&)> measure;
+    std::span<const double> seeds;    // 3 a cell, for .tess
+    std::span<const double> weights;  // of the cells, for .tess; may be empty
     // Of pieces of cells in a mesh, else empty. Two pieces may share several faces, whose order is the same in both,
     // and sides of one piece may meet in an edge.
     std::span<const std::int32_t> rows;    // the cell of each piece, ascending
@@ -83,6 +88,7 @@ void write_glb(const Mesh& mesh, ByteSink& out);
 void write_foam(const Mesh& mesh, ByteSink& out);
 void write_tess(const Mesh& mesh, ByteSink& out);
 void write_msh(const Mesh& mesh, ByteSink& out);
+void write_cgns(const Mesh& mesh, ByteSink& out);
 void write_stl(const Mesh& mesh, ByteSink& out);
 
 }  // namespace votess::files

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "input/option_name.hpp"
@@ -105,28 +104,6 @@ void check_closed(const Mesh& mesh) {
     }
 }
 
-// Returns the corner whose fan of triangles has the thickest thinnest triangle. Thickness is the area, divided by the
-// square of the longest side.
-std::size_t best_apex(const SharedMesh& mesh, std::size_t face) {
-    const auto polygon = mesh.polygon(face);
-    const std::size_t n = polygon.size();
-    std::size_t best = 0;
-    double best_ratio = -1;
-    for (std::size_t apex = 0; apex < n; ++apex) {
-        double least = std::numeric_limits<double>::infinity();
-        const Vector3 origin = mesh.vertex(polygon[apex]);
-        for (std::size_t k = 1; k + 1 < n; ++k) {
-            const Vector3 a = minus(mesh.vertex(polygon[(apex + k) % n]), origin),
-                          b = minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin), c = minus(b, a),
-                          area = cross(a, b);
-            const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
-            least = std::min(least, longest > 0 ? std::sqrt(dot(area, area)) / longest : 0);
-        }
-        if (least > best_ratio) best_ratio = least, best = apex;
-    }
-    return best;
-}
-
 }  // namespace
 
 std::string Patch::name(const Mesh& mesh) const {
@@ -208,6 +185,7 @@ SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
     drop_unused_vertices();
     if (mesh.min_edge > 0) short_edges = collapse_edges(*this, mesh.min_edge);
     if (mesh.short_edges != nullptr) *mesh.short_edges = short_edges;
+    if (mesh.measure) mesh.measure(*this);
 }
 
 void SharedMesh::add_face(const Mesh& mesh, std::size_t entry, std::int32_t owner, std::int32_t neighbor) {
@@ -280,20 +258,6 @@ void SharedMesh::drop_unused_vertices() {
     vertices.resize(3 * static_cast<std::size_t>(count));
     moved.resize(static_cast<std::size_t>(count));
     for (std::int32_t& v : corners) v = number[static_cast<std::size_t>(v)];
-}
-
-std::vector<std::size_t> apexes(const SharedMesh& mesh) {
-    std::vector<std::size_t> result(mesh.faces.size());
-    for (std::size_t f = 0; f < result.size(); ++f) result[f] = best_apex(mesh, f);
-    for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
-        const Patch &patch = mesh.patches[p], &twin = mesh.patches[patch.twin];
-        if (patch.twin >= p) continue;
-        for (std::size_t k = 0; k < patch.count; ++k) {
-            const std::size_t corners = mesh.polygon(patch.first + k).size();
-            result[patch.first + k] = (corners - result[twin.first + k]) % corners;
-        }
-    }
-    return result;
 }
 
 }  // namespace votess::files

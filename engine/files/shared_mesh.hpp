@@ -32,8 +32,8 @@ struct Patch {
 };
 
 struct SharedMesh {
-    // Collapses edges below Mesh::min_edge. Throws invalid_argument for cells that are not closed, and for a face that
-    // the cell behind it lacks.
+    // Collapses edges below Mesh::min_edge, and calls Mesh::measure. Throws invalid_argument for cells that are not
+    // closed, and for a face that the cell behind it lacks.
     explicit SharedMesh(const Mesh& mesh);
 
     [[nodiscard]] std::size_t cells() const { return rows.size(); }
@@ -53,6 +53,7 @@ struct SharedMesh {
 
     std::vector<std::size_t> rows;     // of the cells: those with faces
     std::vector<double> vertices;      // 3 each: those of the cells
+    std::vector<Vector3> normals;      // of the faces before edges were collapsed, of any length; else empty
     std::vector<std::uint8_t> moved;   // of the vertices: 1 for one that others joined
     std::uint64_t short_edges = 0;     // those below Mesh::min_edge that cannot be collapsed
     std::vector<std::int32_t> planes;  // of the faces: Mesh::planes, else the wall
@@ -93,6 +94,11 @@ private:
 // Returns the corner of each face where a fan of triangles begins that cuts it well. Both sides of a periodic boundary
 // have the same triangles.
 [[nodiscard]] std::vector<std::size_t> apexes(const SharedMesh& mesh);
+
+// Returns the least cosine between a direction and the normals of the triangles around a corner.
+[[nodiscard]] double worst_cosine(const SharedMesh& mesh, std::span<const std::int32_t> polygon, std::size_t apex,
+                                  const Vector3& direction);
+inline constexpr double flat_fan = 0.5;  // cosine of 60 degrees: then no part folds onto another face
 
 // Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra. Returns the number of the
 // edges that stay.

@@ -6,17 +6,13 @@
 #include <utility>
 
 namespace votess::picture {
-namespace {
 
-// Where the line from a to b meets the plane, that a and b lie on different sides of.
 Vec3 crossing(const Vec3& a, const Vec3& b, const CutPlane& plane) {
     const double ha = plane.height(a), hb = plane.height(b);
     Vec3 p = a + (ha / (ha - hb)) * (b - a);
     p[static_cast<std::size_t>(plane.axis)] = plane.value;
     return p;
 }
-
-}  // namespace
 
 void clip(const Polygon& in, const CutPlane& plane, bool behind, bool line, Polygon& out) {
     out.clear();

@@ -70,6 +70,9 @@ struct CutPlane {
     [[nodiscard]] double height(const Vec3& p) const { return side * (p[static_cast<std::size_t>(axis)] - value); }
 };
 
+// Returns where the line from a to b meets the plane, which they lie on different sides of.
+Vec3 crossing(const Vec3& a, const Vec3& b, const CutPlane& plane);
+
 // The part of `in` in front of the plane, or with `behind` the rest. line: of the side along the plane.
 void clip(const Polygon& in, const CutPlane& plane, bool behind, bool line, Polygon& out);
 

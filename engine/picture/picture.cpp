@@ -12,6 +12,7 @@
 #include "input/supports.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/layout.hpp"
+#include "picture/piece_sections.hpp"
 #include "picture/raster.hpp"
 #include "picture/shown.hpp"
 #include "picture/slice.hpp"
@@ -229,11 +230,31 @@ Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const d
     return scene;
 }
 
+// Draws the sections of pieces in space. points: three coordinates for each piece. values: one each.
+Picture render_sections(const Pieces& pieces, std::span<const double> points, std::span<const double> values,
+                        const PictureOptions& options) {
+    if (is_planar(pieces)) refuse("picture: pieces of the plane have no slice: leave it out");
+    DomainShape domain{votess::bounds_of(pieces.vertices), {}, {}};
+    check_slice(*options.slice, domain.box);
+    const PieceSections sections(pieces, *options.slice);
+    std::vector<double> of_sections, seeds;
+    for (const std::size_t p : sections.piece) {
+        of_sections.push_back(values[p]);
+        seeds.insert(seeds.end(), &points[3 * p], &points[3 * p] + 3);
+    }
+    if (of_sections.empty()) refuse("picture: the slice meets no piece: move it");
+    PictureOptions look = options;
+    look.wall_cells = WallCells::show;
+    ThreadPool pool(options.threads);
+    const Scene scene = build_scene(sections.mesh, domain, seeds, of_sections, look, pool);
+    return {scene.width, scene.height, draw(scene, pool), 0};
+}
+
 // points: three coordinates for each piece. values: one each.
 Picture render_pieces(const Pieces& pieces, std::span<const double> points, std::span<const double> values,
                       const PictureOptions& options) {
     if (pieces.size() == 0) refuse("picture: there are no pieces to draw");
-    if (options.slice) refuse("picture: pieces have no slice: leave it out");
+    if (options.slice) return render_sections(pieces, points, values, options);
     const PieceMesh shape(pieces);
     PictureOptions look = options;
     look.wall_cells = WallCells::show;
@@ -246,7 +267,7 @@ Picture render_pieces(const Pieces& pieces, std::span<const double> points, std:
     return {scene.width, scene.height, draw(scene, pool), 0};
 }
 
-// The pieces of a cell have its value, and in the plane its seed.
+// The pieces of a cell have its value, and in the plane and in a slice its seed.
 Picture render_in_mesh(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
     const auto values = options.values.empty() ? t.volumes() : options.values;
     const Pieces of_cells = pieces(t, {.gap = options.gap, .threads = options.threads});
@@ -254,9 +275,12 @@ Picture render_in_mesh(const Tessellation& t, std::span<const double> points, co
     for (std::size_t i = 0; i < t.size(); ++i)
         for (std::int64_t p = of_cells.indptr[i]; p < of_cells.indptr[i + 1]; ++p) {
             of_pieces.push_back(values[i]);
-            if (t.planar()) seeds.insert(seeds.end(), {points[2 * i], points[2 * i + 1], 0});
+            if (t.planar())
+                seeds.insert(seeds.end(), {points[2 * i], points[2 * i + 1], 0});
+            else
+                seeds.insert(seeds.end(), &points[3 * i], &points[3 * i] + 3);
         }
-    return render_pieces(of_cells, t.planar() ? seeds : of_cells.centroids, of_pieces, options);
+    return render_pieces(of_cells, t.planar() || options.slice ? seeds : of_cells.centroids, of_pieces, options);
 }
 
 }  // namespace picture
@@ -311,6 +335,8 @@ Picture render(const Pieces& pieces, const PictureOptions& options) {
     picture::check_look(options);
     picture::check_values(options, pieces.size(), "pieces");
     const auto values = options.values.empty() ? std::span(pieces.volumes) : options.values;
+    if (options.seeds && options.slice)
+        refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
     if (!picture::is_planar(pieces)) return picture::render_pieces(pieces, pieces.centroids, values, options);
     if (options.seeds) refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
     return picture::render_pieces(pieces, picture::in_space(pieces.centroids), values, options);

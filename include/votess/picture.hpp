@@ -95,8 +95,8 @@ struct Picture {
                                         const PictureOptions& options = {});
 
 // Returns a picture of pieces, with lines where their planes end. options.values: P; empty: the volumes. Cuts remove
-// whole pieces, whose centroids lie there. Pieces of the plane are drawn like a section. Throws invalid_argument for a
-// slice, for seeds in the plane, and without pieces; else as above.
+// whole pieces, whose centroids lie there. Pieces of the plane are drawn like a section. Throws invalid_argument for
+// seeds, for a slice in the plane or one that meets no piece, and without pieces; else as above.
 [[nodiscard]] VOTESS_API Picture render(const Pieces& pieces, const PictureOptions& options = {});
 
 // Returns red, green and blue of sRGB for each of options.values, as render() colors cells. Uses range, scale and

@@ -472,6 +472,24 @@ typedef struct votess_column {
     uint8_t bytes;       // of a number: 4 or 8 for 'f', else 1, 2, 4 or 8
 } votess_column;
 
+// How well a mesh suits solvers, as OpenFOAM's checkMesh measures it.
+typedef struct votess_mesh_quality {
+    uint32_t struct_size;  // sizeof(votess_mesh_quality)
+    uint32_t reserved;     // 0
+    uint64_t cells, faces, internal_faces, vertices;
+    double
+        max_non_orthogonality;  // between a face's normal and the line through the centroids of its cells, in degrees
+    double mean_non_orthogonality;  // of internal faces
+    uint64_t severe_faces;          // above 70 degrees
+    double
+        max_skewness;  // distance of that line from the face's center, as a share of the face's size in its direction
+    uint64_t skew_faces;                    // above 4
+    double min_area, min_volume, min_edge;  // of faces, cells, edges
+    uint64_t wrong_faces;                   // whose normal does not lead from owner to neighbor, or that have no area
+    uint64_t wrong_cells;                   // without a positive volume
+    uint64_t short_edges;                   // below votess_mesh.min_edge, which stay
+} votess_mesh_quality;
+
 // The mesh of N cells. Arrays are laid out as those of a result with VOTESS_WANT_FACES; the caller owns them.
 typedef struct votess_mesh {
     uint32_t struct_size;                // sizeof(votess_mesh)
@@ -493,11 +511,13 @@ typedef struct votess_mesh {
     int32_t planar;         // nonzero: cells of the plane, for .vtu alone; vertices and shifts have two components
     int32_t skip_open;      // nonzero: leave out cells that reach infinity, whose polygons hold -1; 0: refuse them
     uint64_t* left_out;     // receives their number; may be NULL
-    double edges[9];        // a, b, c of a triclinic box; 0 for an axis-aligned one. For .foam and .tess
+    double edges[9];        // a, b, c of a triclinic box; 0 for an axis-aligned one. For .foam, .tess, .cgns
     const double* seeds;    // 3 * N, for .tess
     const double* weights;  // N, of a power diagram, for .tess; NULL for none
-    double min_edge;        // in .foam, .tess, .msh and .stl collapse edges below this length; 0 for none
+    double min_edge;        // in .foam, .tess, .msh, .stl and .cgns collapse edges below this length; 0 for none
     uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
+    // Receives the quality of what .foam, .tess, .msh, .stl and .cgns hold; struct_size must be set; may be NULL.
+    votess_mesh_quality* quality;
 } votess_mesh;
 
 // A piece of a file.
@@ -518,7 +538,7 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".vtu": polyhedra, in the plane polygons, with columns, without empty cells, ascending by their number of
 //   vertices
 //   - ".ply": faces, each once, with their two cells; triangles when there are colors
-//   - ".obj": faces, each once
+//   - ".obj": a group for each cell, named by its row, with its faces seen from outside
 //   - ".glb": solids in colors
 //   - ".foam": the files points, faces, owner, neighbour and boundary in constant/polyMesh, for OpenFOAM. Cells are the
 //   rows with faces, in order. A patch for each wall, xmin to zmax for -1 to -6, wall7 and on for -7 and on; in a
@@ -527,29 +547,14 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".msh": surfaces in triangles, each once, for Gmsh. A physical volume for each cell, a physical surface for each
 //   pair of cells and each wall
 //   - ".stl": text, a solid for each cell, named by its row; two cells have the same triangles between them
-// The last four need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
+//   - ".cgns": CGNS 3.4 in HDF5: one zone of NGON_n and NFACE_n, with the row of each cell. A boundary condition for
+//   each patch of .foam, and in a periodic domain a pair of connections
+// The last five need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
 // edges may be collapsed by mesh.min_edge: the ends become one vertex, faces with two corners vanish, and cells stay
 // closed. An edge stays if a cell would not remain a polyhedron, or a vertex would leave its walls.
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
                                            void* user);
 
-// How well a mesh suits solvers, as OpenFOAM's checkMesh measures it.
-typedef struct votess_mesh_quality {
-    uint32_t struct_size;  // sizeof(votess_mesh_quality)
-    uint32_t reserved;     // 0
-    uint64_t cells, faces, internal_faces, vertices;
-    double
-        max_non_orthogonality;  // between a face's normal and the line through the centroids of its cells, in degrees
-    double mean_non_orthogonality;  // of internal faces
-    uint64_t severe_faces;          // above 70 degrees
-    double
-        max_skewness;  // distance of that line from the face's center, as a share of the face's size in its direction
-    uint64_t skew_faces;                    // above 4
-    double min_area, min_volume, min_edge;  // of faces, cells, edges
-    uint64_t wrong_faces;                   // whose normal does not lead from owner to neighbor, or that have no area
-    uint64_t wrong_cells;                   // without a positive volume
-    uint64_t short_edges;                   // below votess_mesh.min_edge, which stay
-} votess_mesh_quality;
 // Measures a mesh as .foam holds it. Fails as votess_write_mesh() does for that. quality: struct_size must be set.
 VOTESS_API votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* quality);
 
@@ -566,9 +571,11 @@ typedef struct votess_piece_arrays {
     const int32_t* triangles;         // 3 * triangle_offsets[P]
     const uint8_t* on_surface;        // triangle_offsets[P]
     const double* centroids;          // 3 * P
-    const int32_t* sources;  // triangle_offsets[P], or NULL: for .foam, .msh, and lines of votess_render_pieces()
-    double min_edge;         // in .foam and .msh, as votess_mesh has it; 0 for none
-    uint64_t* short_edges;   // receives the number of these edges that stay; may be NULL
+    const int32_t*
+        sources;            // triangle_offsets[P], or NULL: for .foam, .msh, .cgns, and lines of votess_render_pieces()
+    double min_edge;        // in .foam, .msh and .cgns, as votess_mesh has it; 0 for none
+    uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
+    votess_mesh_quality* quality;  // as votess_mesh has it
 } votess_piece_arrays;
 
 // Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the
@@ -577,10 +584,10 @@ typedef struct votess_piece_arrays {
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
 //   - ".stl": binary; all pieces in one
-//   - ".foam", ".msh": one mesh of all pieces, as votess_write_mesh() writes it of whole cells. Corners at one place
-//   become one, and pieces share the polygons between them. Needs the sources, and the pieces of all cells, without a
-//   gap. Cell k of OpenFOAM is piece k. Physical volumes of Gmsh are the rows. A patch or physical surface for each
-//   connected part of the surface: "surface", or "surface1" and on
+//   - ".foam", ".msh", ".cgns": one mesh of all pieces, as votess_write_mesh() writes it of whole cells. Corners at one
+//   place become one, and pieces share the polygons between them. Needs the sources, and the pieces of all cells,
+//   without a gap. Cell k of OpenFOAM is piece k. Physical volumes of Gmsh are the rows. A patch or physical surface
+//   for each connected part of the surface: "surface", or "surface1" and on
 //   - ".geojson": pieces of the plane, whose vertices and centroids have two components and whose triangles are edges
 VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
                                              votess_write_callback write, void* user);

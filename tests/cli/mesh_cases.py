@@ -103,20 +103,23 @@ class MeshFiles(ReaderTest):
         rows = np.repeat(np.arange(500), np.diff(arrays["indptr"]))
         once = np.flatnonzero((arrays["indices"] < 0) | (rows < arrays["indices"]))
         offsets = arrays["face_offsets"]
-        polygons = [arrays["face_vertices"][offsets[k]:offsets[k + 1]].tolist() for k in once]
+        all_polygons = [arrays["face_vertices"][offsets[k]:offsets[k + 1]].tolist() for k in range(len(rows))]
+        polygons = [all_polygons[k] for k in once]
         for name, reader in [("a.ply", vtkPLYReader()), ("a.obj", vtkOBJReader())]:
             reader.SetFileName(str(self.folder / name))
             reader.Update()
             mesh = reader.GetOutput()
             # VTK stores float32 here.
             np.testing.assert_allclose(vtk_to_numpy(mesh.GetPoints().GetData()), arrays["vertices"], rtol=0, atol=1e-6)
-            self.assertEqual(mesh.GetNumberOfPolys(), len(once))
+            expected = sorted(polygons, key=len) if name == "a.ply" else all_polygons
+            self.assertEqual(mesh.GetNumberOfPolys(), len(expected))
             ids = vtkIdList()
-            for k, polygon in enumerate(sorted(polygons, key=len) if name == "a.ply" else polygons):
+            for k, polygon in enumerate(expected):
                 mesh.GetCellPoints(k, ids)
                 self.assertEqual([ids.GetId(j) for j in range(ids.GetNumberOfIds())], polygon)
         obj = (self.folder / "a.obj").read_text().splitlines()
         vertices = np.array([line.split()[1:] for line in obj if line.startswith("v ")], float)
+        self.assertEqual([line for line in obj if line.startswith("g ")], [f"g {i}" for i in range(500)])
         np.testing.assert_array_equal(vertices, arrays["vertices"])
         # The two cells of each face.
         head, body = (self.folder / "a.ply").read_text().split("end_header\n", 1)
@@ -341,7 +344,8 @@ class SolverFiles(ReaderTest):
 
     def test_files_for_solvers(self):
         (self.folder / "run").mkdir()
-        done = self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-o", "run/case.foam", "-o", "a.msh", "-o", "a.tess")
+        done = self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-o", "run/case.foam", "-o", "a.msh", "-o", "a.tess", "-o", "a.cgns")
+        self.assertTrue((self.folder / "a.cgns").read_bytes().startswith(b"\x89HDF\r\n\x1a\n"))
         self.assertIn("has non-orthogonality up to", done.stderr)
         mesh = self.folder / "run/constant/polyMesh"
         self.assertEqual(sorted(path.name for path in mesh.iterdir()), ["boundary", "faces", "neighbour", "owner", "points"])
@@ -369,7 +373,7 @@ class SolverFiles(ReaderTest):
         self.assertLess((mesh / "points").read_text().count("\n"), 0.95 * before)
         self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 30)
         self.refuse("--random", "30", "--mesh", "tetra.off", "--gap", "0.1", "-o", "b.foam", says="--gap parts the pieces")
-        self.refuse("--random", "30", "--mesh", "tetra.off", "--min-edge", "0.1", "-o", "b.stl", says="add -o FILE in .foam or .msh")
+        self.refuse("--random", "30", "--mesh", "tetra.off", "--min-edge", "0.1", "-o", "b.stl", says="add -o FILE in .foam, .msh or .cgns")
         self.refuse("--random", "30", "--mesh", "tetra.off", "-o", "b.tess", says="polygons of whole cells")
 
     def test_refusals(self):

@@ -302,7 +302,7 @@ class Mesh(CliTest):
     def test_refusals(self):
         self.put("a.off", OFF)
         run = ["--random", 9, "--mesh"]
-        for more, says in [(["-o", "a.ply"], "whole cells"), (["--image", "a.png", "--slice", "z=0.5"], "--slice"),
+        for more, says in [(["-o", "a.ply"], "whole cells"), (["--image", "a.png", "--slice", "z=9"], "slice at z = 9 is not inside"),
                            (["-o", "a.csv", "--want", "faces"], "faces"),
                            (["--memory", "1G", "-o", "a.h5"], "--mesh"), (["--2d"], "--mesh"), (["--box", "0,0,0,1,1,1"], "strictly inside"),
                            (["--mesh-repair", "holes"], "'holes': give merge"),

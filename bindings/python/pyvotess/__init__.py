@@ -10,13 +10,14 @@
 
 Examples of functions use these names.
 
-See :func:`tessellate` for the options, :class:`Domain` for domains and :class:`Tessellation` for the arrays.
+See :func:`tessellate` for the options, :class:`Domain` for domains and :class:`Tessellation` for the arrays. Enumerations
+and the records of results have help of their own, as ``help(vt.CellStatus)``; ``dir(vt)`` lists them.
 """
 
 from typing import List
 
 from . import autodiff, gpu, walls
-from ._c_api import CellStatus, ErrorCode
+from ._c_api import CellStatus as CellStatus, ErrorCode as ErrorCode
 from ._call import VotessError
 from ._domain import Domain
 from ._library import VERSION as __version__
@@ -24,64 +25,43 @@ from ._write_frames import write_frames
 from .alpha import AlphaComplex
 from .atoms import from_ase
 from .diagram import Diagram, Probes
-from .fields.lloyd import Relaxation, lloyd
+from .fields.lloyd import Relaxation as Relaxation, lloyd
 from .fields.moments import transport_cost
-from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
-from .fields.shapes import Shapes
+from .fit import FitError, FitSeconds as FitSeconds, VolumeFit, fit_volumes
+from .fields.shapes import Shapes as Shapes
 from .frames import Frame, read_frames
-from .groups import Groups
+from .groups import Groups as Groups
 from .masses import Masses
-from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors, Rows
-from .network import FreeSphere, IncludedSphere, Network
-from .pairs import Pairs
-from .pieces import Piece, Pieces
+from .mesh import Delaunay, Faces as Faces, Lists as Lists, NaturalCoordinates, Neighbors, Rows as Rows
+from .network import FreeSphere as FreeSphere, IncludedSphere as IncludedSphere, Network
+from .pairs import Pairs as Pairs
+from .pieces import Piece as Piece, Pieces
 from .rays import RayCells
-from .stats import MeshQuality, StageSeconds, Stats, VerifyReport
-from .stream import StreamResult, StreamRows, tessellate_stream
-from .surfaces import Remesh, SurfaceCells, SurfaceRelaxation, lloyd_on_surface, remesh, surface
+from .stats import MeshQuality as MeshQuality, StageSeconds as StageSeconds, Stats as Stats, VerifyReport as VerifyReport
+from .stream import StreamResult as StreamResult, StreamRows as StreamRows, tessellate_stream
+from .surfaces import Remesh, SurfaceCells, SurfaceRelaxation as SurfaceRelaxation, lloyd_on_surface, remesh, surface
 from .tessellation import Tessellation
-from .tessellator import DeviceInfo, Tessellator, devices, tessellate
+from .tessellator import DeviceInfo as DeviceInfo, Tessellator, devices, tessellate
 from .zones import Zones
 
 __all__ = [
     "AlphaComplex",
-    "CellStatus",
     "Delaunay",
-    "DeviceInfo",
     "Diagram",
     "Domain",
-    "ErrorCode",
-    "Faces",
     "FitError",
-    "FitSeconds",
     "Frame",
-    "FreeSphere",
-    "Groups",
-    "IncludedSphere",
-    "Lists",
     "Masses",
-    "MeshQuality",
     "NaturalCoordinates",
     "Neighbors",
     "Network",
-    "Pairs",
-    "Piece",
     "Pieces",
     "Probes",
     "RayCells",
-    "Relaxation",
     "Remesh",
-    "Rows",
-    "Shapes",
-    "StageSeconds",
-    "Stats",
-    "StreamResult",
-    "StreamRows",
     "SurfaceCells",
-    "SurfaceRelaxation",
     "Tessellation",
     "Tessellator",
-    "VerifyReport",
     "VolumeFit",
     "VotessError",
     "Zones",
@@ -103,6 +83,31 @@ __all__ = [
     "write_frames",
 ]
 
+# Enumerations, and records that results hold. They are public and nobody calls them; help(vt) is shorter without them.
+_RECORDS = [
+    "CellStatus",
+    "DeviceInfo",
+    "ErrorCode",
+    "Faces",
+    "FitSeconds",
+    "FreeSphere",
+    "Groups",
+    "IncludedSphere",
+    "Lists",
+    "MeshQuality",
+    "Pairs",
+    "Piece",
+    "Relaxation",
+    "Rows",
+    "Shapes",
+    "StageSeconds",
+    "Stats",
+    "StreamResult",
+    "StreamRows",
+    "SurfaceRelaxation",
+    "VerifyReport",
+]
+
 
 def __dir__() -> List[str]:
-    return __all__
+    return sorted(__all__ + _RECORDS)

@@ -55,9 +55,15 @@ def _argument(option: re.Match[str]) -> str:
     return shown + "=" + (value[3:] if re.search(r"\d", value) else f'"{value[3:]}"')
 
 
+# A row at the begin of a message, also after the name of a function: radius 0 = -5.
+_ROW = re.compile(r"^(\w+\(\): )?(?:\w+: )?(point|radius|weight|the target volume of point) (\d+)(?=:| = | is )")
+_ARRAYS = {"point": "points", "radius": "radii", "weight": "weights", "the target volume of point": "volumes"}
+
+
 def last_error() -> str:
-    """Returns the message of the library, with options as arguments of Python."""
-    return _OPTION.sub(_argument, lib.votess_last_error().decode("utf-8", "replace"))
+    """Returns the message of the library, with options and rows as arguments of Python."""
+    message = _OPTION.sub(_argument, lib.votess_last_error().decode("utf-8", "replace"))
+    return _ROW.sub(lambda row: f"{row[1] or ''}{_ARRAYS[row[2]]}[{row[3]}]", message)
 
 
 def raise_on_failure(status: int) -> None:

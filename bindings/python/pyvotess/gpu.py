@@ -376,13 +376,13 @@ class Frames(OneCallAtATime):
             raise ValueError(f"{count} points are more than max_points = {self._max_points}: make Frames for more")
         order = _cuda.as_stream(given.stream or 0 if stream is None else stream)
         with self._alone():
-            ready = self._submit(inputs, order, lambda *values: lib.votess_frames_submit(self._open(), count, *values), 1)
+            ready = self._submit(inputs, order, lambda *values: lib.votess_frames_submit(self._open(), count, *values), True)
             return CudaCells(self, self._calls, count, order, ready)
 
-    def _submit(self, inputs: List[Any], order: int, submit: Any, calls: int) -> int:
+    def _submit(self, inputs: List[Any], order: int, submit: Any, is_new: bool) -> int:
         """Copies inputs, each a name, an array and its place, and submits work on them. Returns the semaphore's value behind it.
 
-        calls: 1 for a new call of the frames.
+        is_new: whether this is a new call of the frames, so that the last one ends.
         """
         self._open()
         for name, array, _ in inputs:
@@ -391,7 +391,8 @@ class Frames(OneCallAtATime):
         for _, array, place in inputs:
             if array.size:
                 self._importer.copy(place, array.address, array.size, order)
-        self._calls += calls
+        if is_new:
+            self._calls += 1
         # The values: inputs are there, results are there.
         self._value += 2
         self._importer.signal(self._value - 1, order)
@@ -417,7 +418,7 @@ class Frames(OneCallAtATime):
         order = cells._stream if stream is None else _cuda.as_stream(stream)
         with self._alone():
             self._check_last(cells._number, "vjp()")
-            ready = self._submit(inputs, order, lambda *values: lib.votess_frames_submit_vjp(self._open(), words, *values), 0)
+            ready = self._submit(inputs, order, lambda *values: lib.votess_frames_submit_vjp(self._open(), words, *values), False)
         count, dtype = len(cells), self._dtype.str
         by_points = self._array(self._export.by_points, (count, 3), dtype, (ready, order))
         return Gradients(by_points, self._array(self._export.by_weights, (count,), dtype, (ready, order)))

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from .export.viewer import View
     from .stats import MeshQuality
 
-_FORMATS = (".glb", ".obj", ".stl", ".3mf", ".foam", ".msh", ".html")
+_FORMATS = (".glb", ".obj", ".stl", ".3mf", ".foam", ".msh", ".cgns", ".html")
+_JOINED = (".foam", ".msh", ".cgns")  # one mesh of all pieces
 _FLAT_FORMATS = (".geojson",)
 
 
@@ -225,18 +226,18 @@ class Pieces:
         - ``.obj``: with coordinates as given, and the names of the materials.
         - ``.3mf``: for printers, in millimeters.
         - ``.stl``: all pieces in one, without names and materials.
-        - ``.foam``, ``.msh``: one mesh of all pieces, with shared faces, for OpenFOAM and Gmsh, as :meth:`Tessellation.save`
-          writes it of whole cells. Corners at one place become one. Cell k of OpenFOAM is piece k; a physical volume of Gmsh
-          is the row of a seed. The surface is the patch ``surface``, or ``surface1`` and on where it is in several parts.
+        - ``.foam``, ``.msh``, ``.cgns``: one mesh of all pieces, with shared faces, for OpenFOAM, Gmsh and CGNS, as
+          :meth:`Tessellation.save` writes it of whole cells. Corners at one place become one. Cell k of OpenFOAM and CGNS is
+          piece k; a physical volume of Gmsh is the row of a seed. The surface is the patch ``surface``, or ``surface1`` and on where it is in several parts.
           There must be no gap.
         - ``.html``: the page of :meth:`view`.
         - ``.geojson``: pieces of the plane alone, a feature for each cell.
 
-        ids : (N,) whole numbers to name cells by; not for .foam and .msh.
-        min_edge : in .foam and .msh, as for :meth:`Tessellation.save`. Vertices stay on their triangles of the mesh.
+        ids : (N,) whole numbers to name cells by; not for .foam, .msh and .cgns.
+        min_edge : in .foam, .msh and .cgns, as for :meth:`Tessellation.save`. Vertices stay on their triangles of the mesh.
 
-        Raises ValueError for an unknown extension, a wrong number of ids, a file above 4 GiB, and for .foam and .msh when
-        pieces do not share their faces; OSError when the file cannot be written.
+        Raises ValueError for an unknown extension, a wrong number of ids, a file above 4 GiB, and for .foam, .msh and .cgns
+        when pieces do not share their faces; OSError when the file cannot be written.
 
         >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
         >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
@@ -257,12 +258,12 @@ class Pieces:
                 f"ids have shape {numbers.shape} and type {numbers.dtype}: give a whole number for each of the "
                 f"{len(self.ids)} cells"
             )
-        joined = extension in (".foam", ".msh")
+        joined = extension in _JOINED
         length = as_number(min_edge, "min_edge")
         if joined:
             self._check_joined(f"a {extension} file")
         elif length:
-            raise ValueError(f"{extension} keeps all edges, and min_edge is given: .foam and .msh collapse short ones")
+            raise ValueError(f"{extension} keeps all edges, and min_edge is given: .foam, .msh and .cgns collapse short ones")
         if joined and ids is not None:
             raise ValueError(f"a {extension} file numbers cells by their rows: leave out ids")
         if extension == ".html":

@@ -303,7 +303,8 @@ class Tessellation(SeedCells):
 
         ``slice=("z", 0.5)`` draws a plane section with matplotlib, into ``ax`` or a new figure, and returns the axes.
         Without a slice, PyVista shows the cells in space, without those of one octant, and the plotter is returned
-        (``t.plot().show()``). Without PyVista the section through the middle is drawn. In a ``mesh`` PyVista shows the pieces.
+        (``t.plot().show()``). Without PyVista the section through the middle is drawn. In a ``mesh`` PyVista shows the
+        pieces, and a slice those that it cuts.
 
         ``color``: "volume", "neighbors", "area", "x", "y", "z", or (N,) values.
         ``style``: arguments of matplotlib's PolyCollection or PyVista's add_mesh, such as ``cmap="magma"``.
@@ -409,7 +410,8 @@ class Tessellation(SeedCells):
 
         - ``.vtu``: polyhedra, in the plane polygons, with id, volume, neighbors, centroid and status, without empty cells. They ascend by their
           number of vertices, as meshio needs; ``id`` is the seed.
-        - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
+        - ``.ply``: the faces, each once, with its two cells.
+        - ``.obj``: a group for each cell, named by its seed, with its faces counterclockwise seen from outside.
         - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
         - ``.stl``: text, a solid for each cell, named by its seed. Two cells have the same triangles between them.
         - ``.foam``: a mesh of OpenFOAM. The file is empty, as ParaView wants it; the mesh is in the folder
@@ -417,21 +419,23 @@ class Tessellation(SeedCells):
         - ``.tess``: a tessellation of Neper with seeds and weights; not of a periodic domain.
         - ``.msh``: surfaces in triangles, each once, which Gmsh meshes into tetrahedra. Each cell is a physical volume, each
           pair of cells and each wall a physical surface.
-          In a mesh .foam and .msh hold the pieces of :meth:`pieces`, and the surface is a patch.
+        - ``.cgns``: CGNS 3.4 in HDF5, a zone of NGON_n and NFACE_n, with the row of each cell. Each wall is a boundary
+          condition, and a periodic boundary a pair of connections. It needs no h5py.
+          In a mesh .foam, .msh and .cgns hold the pieces of :meth:`pieces`, and the surface is a patch.
         - ``.html``: the page of :meth:`view`, about 350 bytes for a cell of random points.
 
         ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu; (N,) for .html.
         ``color``: for .glb, .html, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
-        ``min_edge``: in .foam, .tess, .msh and .stl the ends of edges below this length become one vertex, and faces with two
+        ``min_edge``: in .foam, .tess, .msh, .cgns and .stl the ends of edges below this length become one vertex, and faces with two
         corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, because a cell would not
         remain a polyhedron.
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
         names them.
 
         Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, a .glb above 4 GiB, and for
-        .foam, .tess, .msh and .stl where ``min_face`` or ``min_area`` dropped faces;
+        .foam, .tess, .msh, .cgns and .stl where ``min_face`` or ``min_area`` dropped faces;
         ImportError without h5py for .h5; OSError when the file cannot be written.
 
         >>> t.save("cells.npz")

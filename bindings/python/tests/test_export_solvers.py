@@ -41,6 +41,24 @@ def area_and_center(corners):
     return area, corners[0] + shares @ (a + b) / 3
 
 
+def read_msh(path):
+    """Returns the triangles of each face of a .msh, and the faces of each cell, negative if they look inward."""
+    text = open(path).read()
+    blocks = {name: body.split("\n") for name, body in re.findall(r"\$(\w+)\n(.*?)\n\$End", text, re.S)}
+    vertices, edges, faces, _ = (int(word) for word in blocks["Entities"][0].split())
+    cell_faces = []
+    for line in blocks["Entities"][1 + vertices + edges + faces :]:
+        words = line.split()
+        cell_faces.append([int(word) for word in words[9 + int(words[7]) :]])
+    triangles, lines = {}, iter(blocks["Elements"][1:])
+    for head in lines:
+        dimension, entity, _, count = (int(word) for word in head.split())
+        rows = [[int(word) for word in next(lines).split()][1:] for _ in range(count)]
+        if dimension == 2:
+            triangles[entity] = rows
+    return triangles, cell_faces
+
+
 class FoamFolder(Folder):
     def read(self):
         """Returns points, faces, owner, neighbour, and the patches as a dict of dicts."""
@@ -194,7 +212,7 @@ class Foam(FoamFolder):
                         f"{len(short)} edges below min_edge={length} stay: cells would not remain polyhedra"] * bool(short))  # fmt: skip
                     if before.min_edge < length:
                         self.assertLess(q.vertices, before.vertices)
-                        self.assertLess(len(short), 0.25 * (before.vertices - q.vertices))
+                        self.assertLess(len(short), 0.3 * (before.vertices - q.vertices))
                     self.assertTrue(set(map(tuple, points)) <= set(map(tuple, t.vertices)), "vertices of cells, as they were")
                     pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
                     self.assertEqual(pairs, sorted(set(pairs)))
@@ -231,6 +249,31 @@ class Foam(FoamFolder):
             with self.assertRaisesRegex(ValueError, message):
                 t.save(self.path(name), min_edge=given)
 
+    def check_triangles(self, file, closed):
+        """No triangle is there twice, and where cells are ``closed``, each edge of one has two triangles."""
+        triangles, cell_faces = read_msh(file)
+        everything = [tuple(sorted(triangle)) for face in triangles.values() for triangle in face]
+        self.assertEqual(len(everything), len(set(everything)))
+        for faces in cell_faces:
+            edges = [
+                (a, b) if face > 0 else (b, a)
+                for face in faces for x, y, z in triangles[abs(face)] for a, b in ((x, y), (y, z), (z, x))
+            ]  # fmt: skip
+            self.assertEqual(sorted(edges), sorted((b, a) for a, b in edges))
+            if closed:
+                self.assertEqual(len(edges), len(set(edges)))
+
+    def test_triangles_of_collapsed_cells(self):
+        """Relaxed sets have many short edges. Their faces share more than a side where one vanished between them."""
+        for seed, domain in ((3, {"box": UNIT_BOX}), (4, {"box": UNIT_BOX}), (5, {"box": UNIT_BOX, "periodic": True}), (2, {"mesh": CUBE})):
+            points = vt.lloyd(uniform(60, seed), steps=8, **domain).points
+            t = vt.tessellate(points, **domain) if "mesh" in domain else vt.tessellate(points, want=WANT, **domain)
+            for length in (0.02, 0.05, 0.08):
+                with self.subTest(seed=seed, length=length), warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    t.save(self.path("a.msh"), min_edge=length)
+                    self.check_triangles(self.path("a.msh"), True)
+
     def test_cells_that_reach_infinity(self):
         t = vt.tessellate(uniform(60), box="none", want="faces,volumes")
         with self.assertRaisesRegex(ValueError, "reach infinity"):
@@ -262,6 +305,77 @@ class Foam(FoamFolder):
                     area, center = area_and_center(corners)
                     volumes[i] += abs(area @ center) / 3  # the centroid is inside
             np.testing.assert_allclose(volumes, t.volumes[t.volumes > 0], rtol=1e-12)
+
+    @have("h5py")
+    def test_cgns(self):
+        for t in domains():
+            t.save(self.path("a.cgns"))
+            self.check_cgns(t, t.volumes, np.flatnonzero(t.volumes))
+
+    def check_cgns(self, t, volumes, rows):
+        """Checks a file of volumes[rows] against those of its polyhedra, and its boundaries."""
+        import h5py
+
+        with h5py.File(self.path("a.cgns"), "r") as file:
+            zone = file["Base/Zone"]
+
+            def data(name, label):
+                self.assertEqual(zone[name].attrs["label"].decode(), label)
+                return zone[name + "/ data"][...]
+
+            places = np.stack([data(f"GridCoordinates/Coordinate{axis}", "DataArray_t") for axis in "XYZ"], axis=1)
+            starts, corners, cell_starts, sides = (
+                data(f"{section}/{array}", "DataArray_t")
+                for section in ("Faces", "Cells") for array in ("ElementStartOffset", "ElementConnectivity")
+            )  # fmt: skip
+            np.testing.assert_array_equal(data("Faces/ElementRange", "IndexRange_t"), [1, len(starts) - 1])
+            np.testing.assert_array_equal(zone[" data"][:, 0], [len(places), len(rows), 0])
+            np.testing.assert_array_equal(data("Rows/Row", "DataArray_t"), rows)
+            moments = []
+            for begin, end in zip(starts, starts[1:]):
+                area, center = area_and_center(places[corners[begin:end] - 1])
+                moments.append((area, area @ center))
+            for k, row in enumerate(rows):
+                own = sides[cell_starts[k] : cell_starts[k + 1]]
+                self.assertLess(np.linalg.norm(sum(np.sign(s) * moments[abs(s) - 1][0] for s in own)), 1e-13 * np.ptp(places))
+                volume = sum(np.sign(s) * moments[abs(s) - 1][1] for s in own) / 3
+                np.testing.assert_allclose(volume, volumes[row], rtol=1e-9, atol=1e-14)
+            self.assertEqual(set(np.unique(np.abs(sides))), set(range(1, len(starts))))
+            outer = np.flatnonzero(np.bincount(np.abs(sides))[1:] == 1) + 1
+            ranges = [zone[f"{group}/{name}/PointRange/ data"][:, 0] for group in ("ZoneBC", "ZoneGridConnectivity")
+                      for name in zone.get(group, {})]  # fmt: skip
+            np.testing.assert_array_equal(np.sort(np.concatenate([np.arange(a, b + 1) for a, b in ranges])), outer)
+            for connection in zone.get("ZoneGridConnectivity", {}).values():
+                own = np.arange(connection["PointRange/ data"][0, 0], connection["PointRange/ data"][1, 0] + 1)
+                step = connection["GridConnectivityProperty/Periodic/Translation/ data"][...]
+                for a, b in zip(own, connection["PointListDonor/ data"][:, 0]):
+                    here, there = (places[corners[starts[f - 1] : starts[f]] - 1].mean(axis=0) for f in (a, b))
+                    np.testing.assert_allclose(here + step, there, atol=1e-6)
+
+    @have("vtk")
+    def test_cgns_by_vtk(self):
+        try:
+            from vtkmodules.vtkIOCGNSReader import vtkCGNSReader
+        except ImportError:
+            self.skipTest("this VTK reads no CGNS")
+        t = cells(30)
+        t.save(self.path("a.cgns"))
+        reader = vtkCGNSReader()
+        reader.SetFileName(self.path("a.cgns"))
+        reader.UpdateInformation()
+        reader.EnableAllBases()
+        reader.EnableAllCellArrays()
+        reader.Update()
+        grid = reader.GetOutput().GetBlock(0).GetBlock(0)
+        for i in range(30):
+            cell, volume = grid.GetCell(i), 0
+            for f in range(cell.GetNumberOfFaces()):
+                points = cell.GetFace(f).GetPoints()
+                corners = np.array([points.GetPoint(k) for k in range(points.GetNumberOfPoints())]) - t.centroids[i]
+                area, center = area_and_center(corners)
+                volume += area @ center / 3
+            # VTK before 9.2 turns all faces inward.
+            np.testing.assert_allclose(abs(volume), t.volumes[i], rtol=1e-12)
 
     def test_refusals(self):
         for t, message in (

@@ -177,17 +177,17 @@ class BadInput(unittest.TestCase):
             volumes = np.full(10, 0.1)
             volumes[4] = value
             for normalize in (False, True):
-                self.refused(f"point 4 is {text}: it must be positive", volumes=volumes, normalize=normalize)
+                self.refused(rf"volumes\[4\] is {text}: it must be positive", volumes=volumes, normalize=normalize)
         self.refused("tolerance is 0", tolerance=0)
         self.refused("tolerance is nan", tolerance=math.nan)
 
     def test_points(self):
         points = np.round(uniform(10) * 64) / 64
         points[7] = points[2]
-        self.refused("point 7.*duplicate of point 2", points)
+        self.refused(r"points\[7\].*duplicate of point 2", points)
         points[7] = points[2] + (1, 0, 0)
-        self.refused("point 7.*duplicate of point 2", points, periodic=True)
-        self.refused("point 7: x = 1.* outside", points)
+        self.refused(r"points\[7\].*duplicate of point 2", points, periodic=True)
+        self.refused(r"points\[7\]: x = 1.* outside", points)
 
     def test_steps(self):
         points, targets = uniform(SEEDS), shares(SEEDS, "wide")

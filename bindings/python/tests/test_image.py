@@ -7,6 +7,8 @@ import zlib
 from pathlib import Path
 
 import numpy as np
+from helpers import CUBE, uniform
+from test_export_solvers import torus
 
 import pyvotess as vt
 
@@ -70,6 +72,28 @@ class Images(unittest.TestCase):
         t = vt.tessellate(self.points, mesh=cube, want="volumes")
         whole, pieces = t.image(size=(80, 80), cut="none").pixels, t.image(size=(80, 80), cut="none", gap=0.1).pixels
         self.assertFalse((whole == pieces).all())
+        with self.assertRaisesRegex(ValueError, "slice at z = 2 is not inside"):
+            t.image(slice=("z", 2))
+
+    def test_section_in_a_mesh(self):
+        """A section has the shape of the mesh, holes too, and in a cube that of the box."""
+        ring = vt.tessellate(2 * uniform(30), mesh=torus(24, 10))
+        options = {"slice": ("z", 0.4), "color": np.ones(30), "limits": (0, 2), "size": (400, 300)}
+        pixels = ring.image(**options).pixels[:, :, :3].astype(int)
+        colored = np.ptp(pixels, axis=2) > 20
+        rows, columns = np.nonzero(colored[:, :330])
+        middle = (rows.min() + rows.max()) // 2, (columns.min() + columns.max()) // 2
+        self.assertFalse(colored[middle[0] - 5 : middle[0] + 6, middle[1] - 5 : middle[1] + 6].any())
+        share = colored[:, :330].sum() / ((np.ptp(rows) + 1) * (np.ptp(columns) + 1))
+        self.assertAlmostEqual(share, np.pi * (0.99**2 - 0.41**2) / 1.98**2, delta=0.12)  # lines are not colored
+        self.assertFalse((ring.image(**options, seeds=True).pixels[:, :, :3] == pixels).all())
+        for axis in "xyz":
+            options = {"slice": (axis, 0.3), "color": "x", "limits": (0, 1), "size": (200, 150)}
+            solid = vt.tessellate(self.points, mesh=CUBE, want="volumes").image(**options).pixels
+            whole = vt.tessellate(self.points, box=BOX, want="volumes,faces").image(**options).pixels
+            self.assertLess((abs(solid.astype(int) - whole).max(axis=2) > 60).mean(), 0.03, axis)
+
+    def test_endless(self):
         endless = vt.tessellate(self.points, box="none", want="volumes,faces")
         with self.assertRaisesRegex(ValueError, "reach infinity"):
             endless.image()

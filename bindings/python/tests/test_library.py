@@ -5,6 +5,7 @@ import dataclasses
 import os
 import pathlib
 import pickle
+import pydoc
 import re
 import subprocess
 import sys
@@ -104,7 +105,7 @@ class Facts(unittest.TestCase):
         self.assertEqual(vt.ErrorCode.INVALID_USE, 7)
 
     def test_names(self):
-        for name in vt.__all__:
+        for name in dir(vt):
             self.assertTrue(hasattr(vt, name), name)
 
 
@@ -155,8 +156,10 @@ class Loading(unittest.TestCase):
         self.assertIn(sys.executable, report["python"])
 
     def test_names_of_the_package(self):
-        self.assertEqual(dir(vt), sorted(vt.__all__))
+        self.assertLess(set(vt.__all__), set(dir(vt)))
         self.assertEqual([name for name in dir(vt) if not hasattr(vt, name)], [])
+        # help() has functions and what users make; inherited members of records and enumerations would triple it.
+        self.assertLess(len(pydoc.plain(pydoc.render_doc(vt)).splitlines()), 3000)
         self.assertEqual(dir(vt.walls), ["cone", "cylinder", "sphere"])
 
     def test_arrays_by_name(self):

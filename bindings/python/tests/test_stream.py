@@ -113,7 +113,7 @@ class Stream(unittest.TestCase):
     def test_errors(self):
         points = uniform(3000)
         points[2222, 1] = np.nan
-        with self.assertRaisesRegex(ValueError, "^point 2222: y = nan is not finite$"):
+        with self.assertRaisesRegex(ValueError, r"^points\[2222\]: y = nan is not finite$"):
             vt.tessellate_stream(np.split(points, 3), print, memory=LITTLE)
         points[2222, 1] = 0.5
 

@@ -195,10 +195,11 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
 def _all_documented(markdown: str) -> None:
     """Every name that the package shows must stand in the reference."""
     init = (ROOT / "bindings/python/pyvotess/__init__.py").read_text("utf-8")
-    names = re.findall(r'"(\w+)"', init.split("__all__ = [", 1)[1].split("]", 1)[0])
+    lists = re.findall(r"^(?:__all__|_RECORDS) = \[(.*?)\]", init, re.S | re.M)
+    names = [name for part in lists for name in re.findall(r'"(\w+)"', part)]
     missing = [name for name in names if f"::: pyvotess.{name}\n" not in markdown and name != "__version__"]
     if missing:
-        raise PluginError(f"the pages of Python lack {', '.join(missing)}, which pyvotess.__all__ has")
+        raise PluginError(f"the pages of Python lack {', '.join(missing)}, which pyvotess shows")
 
 
 def on_page_content(html: str, page: Any, config: Any, files: Files) -> str:

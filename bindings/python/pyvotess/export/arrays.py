@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import shutil
 import zipfile
 from typing import TYPE_CHECKING, Any, Dict
 
@@ -62,8 +65,22 @@ def write_npz(path: str, t: SeedCells, columns: Arrays) -> None:
                 np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
 
 
-def write_h5(path: str, t: SeedCells, columns: Arrays) -> None:
-    """Writes datasets at the root. The domain except the walls, and texts, are attributes of the root."""
+def write_h5(path: str, t: SeedCells, columns: Arrays, name: str) -> None:
+    """Writes datasets at the root. The domain except the walls, and texts, are attributes of the root.
+
+    ``name``: the file's, for errors. Raises OSError when the file cannot be written.
+    """
+    bytes_needed = sum(array.nbytes for array in (*_result_arrays(t).values(), *columns.values()))
+    # HDF5 may crash when the process ends after a write that failed: better not to begin.
+    if shutil.disk_usage(os.path.dirname(os.path.realpath(name))).free < bytes_needed:
+        raise OSError(errno.ENOSPC, f"{os.strerror(errno.ENOSPC)}: the file takes {bytes_needed} bytes", name)
+    try:
+        _write_h5(path, t, columns)
+    except RuntimeError as error:  # from h5py
+        raise OSError(errno.EIO, f"HDF5 failed: {error}", name) from error
+
+
+def _write_h5(path: str, t: SeedCells, columns: Arrays) -> None:
     h5py = imported("h5py", "writing .h5")
     # The default driver cannot open a file without a name.
     with h5py.File(path, "w", driver="stdio") as file:

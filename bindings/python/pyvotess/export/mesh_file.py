@@ -1,4 +1,4 @@
-"""Meshes as .vtu, .ply, .obj, .glb, .foam, .tess and .msh, and files of pieces, written by the library."""
+"""Files of meshes and of pieces, written by the library."""
 
 from __future__ import annotations
 
@@ -23,6 +23,21 @@ if TYPE_CHECKING:
     Arrays = Dict[str, npt.NDArray[Any]]
 
 
+def _make_folders(folder: str, stack: contextlib.ExitStack) -> None:
+    """Makes a folder and those that it is in. Those that are new and empty are removed when ``stack`` ends by an error."""
+    if os.path.isdir(folder):
+        return
+    _make_folders(os.path.dirname(folder), stack)
+    os.mkdir(folder)
+
+    def end(kind: object, *_: object) -> None:
+        if kind is not None:
+            with contextlib.suppress(OSError):
+                os.rmdir(folder)
+
+    stack.push(end)
+
+
 def write_by(call: Callable[[Any], int], path: str, folder: str = "") -> None:
     """Lets ``call`` write the file by a callback, and those of a format of several, which lie in ``folder``.
 
@@ -35,7 +50,7 @@ def write_by(call: Callable[[Any], int], path: str, folder: str = "") -> None:
             name = piece[0].file
             if name not in files:
                 target = os.path.join(folder, name.decode())
-                os.makedirs(os.path.dirname(target), exist_ok=True)
+                _make_folders(os.path.dirname(target), stack)
                 files[name] = stack.enter_context(open(stack.enter_context(whole_file(target)), "wb"))
             files[name].write((ctypes.c_char * piece[0].count).from_address(piece[0].data))
             return 1

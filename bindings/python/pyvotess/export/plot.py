@@ -107,15 +107,62 @@ def sections_in_box(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, 
     return np.concatenate(found), polygons
 
 
-def _parse_slice(t: SeedCells, where: Any) -> Tuple[int, float]:
+def _sections(pieces: Any, axis: int, value: float) -> Tuple[Int64Array, List[List[Float64Array]]]:
+    """Returns the pieces that a plane cuts, and their rings, which turn one way around and the other way along holes."""
+    sizes = np.diff(pieces.triangle_offsets)
+    corners = (pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], sizes)[:, None]).astype(np.int64)
+    piece = np.repeat(np.arange(len(pieces)), sizes)
+    vertices = np.asarray(pieces.vertices)
+    # A vertex is above the plane or below it, never on it: each triangle has one edge that leads down, and one up.
+    above = vertices[corners, axis] > value
+    met = np.flatnonzero(above.any(axis=1) & ~above.all(axis=1))
+    corners, above, piece = corners[met], above[met], piece[met]
+
+    def crossed(down: bool) -> Tuple[Int64Array, Float64Array]:
+        side = np.argmax((above == down) & (np.roll(above, -1, axis=1) != down), axis=1)
+        rows = np.arange(len(corners))
+        ends = np.sort(np.stack((corners[rows, side], corners[rows, (side + 1) % 3]), axis=1), axis=1)
+        a, b = vertices[ends[:, 0]], vertices[ends[:, 1]]
+        share = (value - a[:, axis]) / (b[:, axis] - a[:, axis])
+        return ends[:, 0] * len(vertices) + ends[:, 1], np.delete(a + share[:, None] * (b - a), axis, axis=1)
+
+    (down, places), (up, _) = crossed(True), crossed(False)
+    # An edge that leads down in one triangle leads up in another one of the piece.
+    following = np.empty(len(met), np.int64)
+    following[np.lexsort((up, piece))] = np.lexsort((down, piece))
+    rings: Dict[int, List[Float64Array]] = {}
+    used = np.zeros(len(met), bool)
+    for start in range(len(met)):
+        steps, k = [], start
+        while not used[k]:
+            used[k] = True
+            steps.append(k)
+            k = int(following[k])
+        if len(steps) > 2:
+            rings.setdefault(int(piece[start]), []).append(places[steps])
+    return np.array(list(rings), np.int64), list(rings.values())
+
+
+def _plot_sections(t: SeedCells, where: Any, color: Any, ax: Any, style: Any) -> Any:
+    pieces = t.pieces()  # type: ignore[attr-defined]
+    bounds = np.stack((pieces.vertices.min(axis=0), pieces.vertices.max(axis=0)))
+    axis, value = _parse_slice(bounds, where if where is not None else ("z", bounds[:, 2].mean()))
+    cut, rings = _sections(pieces, axis, value)
+    across, up = (k for k in range(3) if k != axis)
+    ax = _draw(t, pieces.cells[cut], rings, (across, up), color, ax, style)
+    ax.set(xlim=bounds[:, across], ylim=bounds[:, up], title=f"{_AXES[axis]} = {value:g}")
+    return ax
+
+
+def _parse_slice(box: Float64Array, where: Any) -> Tuple[int, float]:
     try:
         name, value = where
         axis, value = _AXES.index(name), as_number(value, "slice")
     except (TypeError, ValueError):
         raise ValueError(f"slice is {shown(where)}: give an axis and a value, such as ('z', 0.5)") from None
-    low, high = np.asarray(t.box)[:, axis]
+    low, high = box[:, axis]
     if not low < value < high:
-        raise ValueError(f"slice at {name} = {value:g} is not inside the box, which spans {low:g} to {high:g}")
+        raise ValueError(f"slice at {name} = {value:g} is not inside the domain, which spans {low:g} to {high:g}")
     return axis, value
 
 
@@ -248,13 +295,14 @@ def plot(
         imported("matplotlib", "plot()")
         return _plot_plane(t, color, ax, style)
     if t.in_mesh:
-        if slice is not None or ax is not None:
-            raise ValueError("plot() draws no sections of cells in a mesh: leave slice and ax out")
         color_values(t, color)
+        if slice is not None or ax is not None:
+            imported("matplotlib", "plot()")
+            return _plot_sections(t, slice, color, ax, style)
         return _plot_pieces(t, imported("pyvista", "plot() in a mesh"), color, **style)
     mesh_of(t, "plot()")
     middle = float(np.asarray(t.box)[:, 2].mean())
-    axis, value = _parse_slice(t, slice if slice is not None else ("z", middle))
+    axis, value = _parse_slice(np.asarray(t.box), slice if slice is not None else ("z", middle))
     color_values(t, color)
     if slice is None and ax is None:
         try:

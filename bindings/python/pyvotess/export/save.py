@@ -42,6 +42,7 @@ _KINDS: Dict[str, _Kind] = {
     ".foam": _Kind(mesh=True, edges=True),
     ".tess": _Kind(mesh=True, edges=True),
     ".msh": _Kind(mesh=True, edges=True),
+    ".cgns": _Kind(mesh=True, edges=True),
     ".html": _Kind(mesh=True, columns=True, color=True),
 }
 
@@ -70,10 +71,10 @@ def _checked_kind(
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
     if kind.mesh and t.in_mesh and t.planar:
         raise ValueError(f"a {extension} file holds no polygons with holes: save t.pieces(), as .geojson")
-    if kind.mesh and t.in_mesh and extension not in (".vtu", ".html", ".foam", ".msh"):
+    if kind.mesh and t.in_mesh and extension not in (".vtu", ".html", ".foam", ".msh", ".cgns"):
         raise ValueError(
-            f"a {extension} file holds polygons of whole cells: write .vtu, .foam or .msh, or save t.pieces(), as .glb, .obj, "
-            ".stl or .3mf"
+            f"a {extension} file holds polygons of whole cells: write .vtu, .foam, .msh or .cgns, or save t.pieces(), as "
+            ".glb, .obj, .stl or .3mf"
         )
     if kind.mesh and not t.in_mesh:
         mesh_of(t, f"a {extension} file", kind.planar, True, open)
@@ -113,7 +114,7 @@ def save(
         if extension == ".npz":
             arrays.write_npz(temporary, t, added)
         elif extension in (".h5", ".hdf5"):
-            arrays.write_h5(temporary, t, added)
+            arrays.write_h5(temporary, t, added, name)
         else:
             data = {**vtu_columns(t), **added} if extension == ".vtu" else {}
             folder, kept = os.path.dirname(os.path.realpath(name)), 0
