@@ -158,10 +158,10 @@ dual may differ from the surface. Goes with --weights, --radii,
          {.needs = Needs::all_cells, .solid = true, .on_surface = true}},
         {"--remesh N",
          R"(a mesh of even triangles with N vertices for the surface, about 2 N
-triangles, without INPUT. More where parts of the surface are thinner than
-its triangles. Borders and sharp edges are kept. Into .obj, .ply, .off,
-.stl, .npz and .h5. The summary has the smallest angle and the distance
-between the meshes)",
+triangles, without INPUT. About N where parts of the surface are thinner
+than its triangles. Borders and sharp edges are kept. Into .obj, .ply,
+.off, .stl, .npz and .h5. The summary has the smallest angle and the
+distance between the meshes)",
          {.needs = Needs::all_cells, .with = "--surface", .on_surface = true}},
         {"--sharp DEGREES",
          R"(an edge is sharp if the surface turns there by more; default 40. 180: keep

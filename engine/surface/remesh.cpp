@@ -33,8 +33,7 @@ constexpr std::size_t max_count = std::size_t{1} << 28;  // of places: corners o
 constexpr unsigned trial_steps = 5, max_trials = 3;
 constexpr double max_excess = 0.02;
 // Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
-// Rounds end early when several in a row leave no fewer faults.
-constexpr unsigned max_rounds = 10, steps_of_round = 3, max_vain = 3;
+constexpr unsigned max_rounds = 10, steps_of_round = 3;
 
 // The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish.
 solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
@@ -242,15 +241,11 @@ private:
 
     // Adds a seed to each faulty part, as far as possible from its vertex.
     void mend() {
-        std::size_t added = 0, fewest = std::numeric_limits<std::size_t>::max();
-        for (unsigned round = 0, vain = 0; round < max_rounds; ++round) {
+        std::size_t added = 0;
+        for (unsigned round = 0; round < max_rounds; ++round) {
             const SurfaceCells& cells = relaxation_->cells();
             const Remesh mesh = meshed();
             const std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
-            const auto count = static_cast<std::size_t>(std::ranges::count(bad, 1));
-            vain = count < fewest ? 0 : vain + 1;
-            if (vain == max_vain) return;
-            fewest = std::min(fewest, count);
             std::vector<double> far(bad.size(), -1);
             std::vector<std::int32_t> corners(bad.size(), -1);
             for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
