@@ -129,7 +129,7 @@ and rays have their parts inside.
         {"--min-edge LENGTH",
          R"(in .foam, .tess, .msh, .cgns and .stl: make one vertex of the ends of
 shorter edges. Faces with two corners vanish, cells stay closed, and
-vertices on their walls. Reports edges that stay, since a cell would be none)",
+vertices on their walls. Reports edges that stay: a cell would be none)",
          {.needs = Needs::cells}},
         {"--gap WIDTH",
          R"(in .glb, .obj, .stl, .3mf, .geojson and --image: leave this distance
@@ -271,8 +271,8 @@ get an empty one, or the input is refused)",
 .tess  Neper: polyhedra with shared faces, seeds and weights, not periodic
 .msh   Gmsh: surfaces in triangles, each once, with a physical volume for
        each cell and a physical surface for each pair and each wall
-.cgns  CGNS 3.4: a zone of NGON_n and NFACE_n, with the row of each cell and a
-       boundary condition for each wall; periodic boundaries are connections
+.cgns  CGNS 3.4: a zone of NGON_n and NFACE_n, with the row of each cell.
+       Walls are boundary conditions, periodic boundaries connections
 .stl   text: a solid for each cell, named by its row (from 0)
 .stl .3mf  pieces of cells in a mesh, as .obj and .glb hold: see --mesh
 .geojson   pieces of cells in polygons: see --mesh

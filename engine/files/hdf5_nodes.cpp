@@ -21,7 +21,7 @@ void put(std::string& out, std::uint64_t value, int bytes) {
     for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> 8 * k);
 }
 
-std::uint64_t bytes_of(NodeType type) {
+std::uint64_t number_bytes(NodeType type) {
     switch (type) {
         case NodeType::none:
             return 0;
@@ -42,7 +42,7 @@ const char* name_of(NodeType type) {
 
 // Returns the message that describes a number. Characters are signed bytes.
 std::string number_type(NodeType type) {
-    const std::uint64_t bytes = bytes_of(type);
+    const std::uint64_t bytes = number_bytes(type);
     const bool is_float = type == NodeType::float32 || type == NodeType::float64, is_double = bytes == 8;
     std::string out;
     put(out, is_float ? 0x11 : 0x10, 1);
@@ -151,7 +151,7 @@ std::string set_header(NodeType type, const std::vector<std::uint64_t>& extent, 
 }
 
 std::uint64_t array_bytes(const Hdf5Node& node) {
-    std::uint64_t bytes = node.put ? bytes_of(node.type) : 0;
+    std::uint64_t bytes = node.put ? number_bytes(node.type) : 0;
     for (const std::uint64_t count : node.extent) bytes *= count;
     return bytes;
 }

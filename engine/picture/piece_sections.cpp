@@ -13,13 +13,13 @@ using Ring = std::vector<Vec3>;
 using Edge = std::pair<std::int32_t, std::int32_t>;  // the lower vertex first
 
 // The axes of the section, so that outlines turn counterclockwise.
-struct Axes {
-    explicit Axes(int normal)
+struct SectionAxes {
+    explicit SectionAxes(int normal)
         : across(static_cast<std::size_t>(normal + 1) % 3), up(static_cast<std::size_t>(normal + 2) % 3) {}
     std::size_t across, up;
 };
 
-double signed_area(const Ring& ring, const Axes& axes) {
+double signed_area(const Ring& ring, const SectionAxes& axes) {
     double sum = 0;
     for (std::size_t k = 1; k + 1 < ring.size(); ++k) {
         const Vec3 a = ring[k] - ring[0], b = ring[k + 1] - ring[0];
@@ -28,7 +28,7 @@ double signed_area(const Ring& ring, const Axes& axes) {
     return 0.5 * sum;
 }
 
-bool contains(const Ring& ring, const Vec3& p, const Axes& axes) {
+bool contains(const Ring& ring, const Vec3& p, const SectionAxes& axes) {
     bool inside = false;
     for (std::size_t k = 0; k < ring.size(); ++k) {
         const Vec3 &a = ring[k], &b = ring[k + 1 == ring.size() ? 0 : k + 1];
@@ -84,7 +84,7 @@ std::vector<Ring> rings_of(const Pieces& pieces, std::size_t p, const CutPlane& 
 
 PieceSections::PieceSections(const Pieces& pieces, const Slice& slice) {
     const CutPlane plane{slice.axis, slice.value, 1};
-    const Axes axes(slice.axis);
+    const SectionAxes axes(slice.axis);
     for (std::size_t p = 0; p < pieces.size(); ++p) {
         std::vector<std::pair<double, std::vector<Ring>>> outlines;  // area, then the outline and its holes
         std::vector<Ring> holes;

@@ -571,10 +571,9 @@ typedef struct votess_piece_arrays {
     const int32_t* triangles;         // 3 * triangle_offsets[P]
     const uint8_t* on_surface;        // triangle_offsets[P]
     const double* centroids;          // 3 * P
-    const int32_t*
-        sources;            // triangle_offsets[P], or NULL: for .foam, .msh, .cgns, and lines of votess_render_pieces()
-    double min_edge;        // in .foam, .msh and .cgns, as votess_mesh has it; 0 for none
-    uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
+    const int32_t* sources;  // triangle_offsets[P], or NULL: for joined meshes, and lines of votess_render_pieces()
+    double min_edge;         // in .foam, .msh and .cgns, as votess_mesh has it; 0 for none
+    uint64_t* short_edges;   // receives the number of these edges that stay; may be NULL
     votess_mesh_quality* quality;  // as votess_mesh has it
 } votess_piece_arrays;
 

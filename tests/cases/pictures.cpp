@@ -293,6 +293,13 @@ TEST_SUITE("cases") {
         CHECK(count(half, shown) > 5000);
         CHECK(count(half, shown) < count(whole, shown));
         options.slice = votess::Slice{2, 0.5};
+        const Picture section = votess::render(pieces, options);
+        CHECK(count(section, shown) > 5000);
+        CHECK(section.pixels != half.pixels);
+        options.seeds = true;
+        CHECK(test::error_of([&] { (void)votess::render(pieces, options); }) == votess::ErrorCode::invalid_argument);
+        options.seeds = false;
+        options.slice->value = 1.5;
         CHECK(test::error_of([&] { (void)votess::render(pieces, options); }) == votess::ErrorCode::invalid_argument);
         options.slice.reset();
         options.values = std::span(values).first(3);

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import importlib.util
 import os
+import shutil
 import signal
 import stat
 import subprocess
@@ -168,6 +169,20 @@ class Whole(Folder):
             self.assertEqual(sum("nan" in line or "inf" in line for line in lines), 0)
         with self.assertRaisesRegex(ValueError, "open"):
             t.save(self.path("a.npz"), open="yes")
+
+    @have("h5py")
+    def test_full_disk_for_h5(self):
+        """HDF5 reports a full disk late or by a crash, so it is found before, and else its error becomes an OSError."""
+        import h5py
+
+        t = vt.tessellate(uniform(9))
+        full = mock.Mock(return_value=mock.Mock(free=100))
+        failing = mock.Mock(side_effect=RuntimeError("fwrite failed"))
+        for target, name, double, says in ((shutil, "disk_usage", full, "the file takes"), (h5py.Group, "create_dataset", failing, "fwrite")):
+            with self.subTest(name), mock.patch.object(target, name, double), self.assertRaisesRegex(OSError, says) as caught:
+                t.save(self.path("a.h5"))
+            self.assertEqual(caught.exception.filename, self.path("a.h5"))
+            self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_refused(self):
         t = vt.tessellate(uniform(9))
