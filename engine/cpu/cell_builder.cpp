@@ -24,12 +24,12 @@ constexpr std::size_t tests_of_unowned = 1024;   // while none is found
 constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
 constexpr int known_owners_of_hidden = 64;       // the same for owners that are found without a search
 constexpr std::size_t kept_owners = 32;
-constexpr double first_band = 0.8;      // of the squared reach expected
-constexpr double smallest_band = 0.01;  // of the squared distance that the window covers
-constexpr double band_growth = 1.6;     // of the squared distance from band to band
+constexpr double first_band = 0.8;            // of the squared reach expected
+constexpr double smallest_band = 0.01;        // of the squared distance that the window covers
+constexpr double band_growth = 1.6;           // of the squared distance from band to band
 constexpr std::size_t enough_for_walls = 12;  // planes, of which six bound the domain
-constexpr std::size_t max_idle = 24;    // seeds in a row that do not cut a cell that reaches far beyond them
-constexpr double far_beyond = 16;       // times the squared distance
+constexpr std::size_t max_idle = 24;          // seeds in a row that do not cut a cell that reaches far beyond them
+constexpr double far_beyond = 16;             // times the squared distance
 constexpr int cuts_in_a_row = 16, large_cell = 512;  // slots; see clip_far()
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;

@@ -59,8 +59,8 @@ void WallTree::build(std::span<Unit> walls, std::size_t node) {
     build(walls.subspan(first + 1), 2 * node + 2);
 }
 
-// The normals n of a node lie in a box, which reaches beyond the unit sphere by as much as it is wide. Near a round hull
-// of n walls it alone would leave sqrt(n) nodes to visit, instead of log(n). So they also lie in a cone: with the
+// The normals n of a node lie in a box, which reaches beyond the unit sphere by as much as it is wide. Near a round
+// hull of n walls it alone would leave sqrt(n) nodes to visit, instead of log(n). So they also lie in a cone: with the
 // middle m and the half diagonal r of the box, n.m = (1 + |m|^2 - |n - m|^2) / 2 >= (1 + |m|^2 - r^2) / 2. Over a cone,
 // n.x is largest on the side of x: |x| cos(angle of x - half angle), or |x| if x lies inside.
 bool WallTree::may_exclude(std::size_t node, const exact::Point& x, double tolerance) const {

@@ -251,7 +251,8 @@ void RowPolytope::make_blocks() {
     blocks_order_.resize(at(planes()));
     std::iota(blocks_order_.begin(), blocks_order_.end(), 0);
     const auto add = [&](const auto& self, std::size_t begin, std::size_t end) -> void {
-        Block block{normals[at(blocks_order_[begin])], normals[at(blocks_order_[begin])], infinity, 0, 0, 0, begin, end};
+        Block block{
+            normals[at(blocks_order_[begin])], normals[at(blocks_order_[begin])], infinity, 0, 0, 0, begin, end};
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t f = at(blocks_order_[k]);
             for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -163,7 +163,7 @@ private:
     };
     std::vector<Block> blocks_;      // empty if planes are few
     std::vector<int> blocks_order_;  // planes
-    struct Ray {                           // an edge, by all planes that hold it
+    struct Ray {                     // an edge, by all planes that hold it
         int from, to;
         std::vector<int> planes;
     };

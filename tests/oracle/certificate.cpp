@@ -93,7 +93,8 @@ private:
         const auto is_tiny = [](double x) { return x != 0 && std::abs(x) < 0x1p-200; };
         bool thin = std::ranges::any_of(points_, is_tiny);
         if (options_.box)
-            thin |= std::ranges::any_of(options_.box->lower, is_tiny) || std::ranges::any_of(options_.box->upper, is_tiny);
+            thin |=
+                std::ranges::any_of(options_.box->lower, is_tiny) || std::ranges::any_of(options_.box->upper, is_tiny);
         return thin;
     }
 
