@@ -133,6 +133,7 @@ struct KeptPush {
     uint image_count;  // places for images
     uint keeps;        // as in ClipPush
     uint capacity;     // records in the store
+    uint max_pending;  // of kept_drop
 };
 
 // Counts the kept cells over a place.
@@ -251,7 +252,7 @@ struct ChunkState {
     uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
     uint row_base;    // first entry of the chunk's rows in the rows out
     // Of kept cells, which match up to the last round:
-    uint kept_pending;        // not 0: some did not match in this round
+    uint kept_pending;        // after the test their number; then not 0: some did not match in this round
     uint kept_over;           // cells over the place of a seed
     uint kept_over_cell;      // one of them
     uint kept_failed;         // not 0: all must be made
