@@ -1,4 +1,4 @@
-// Cells that a recorded frame keeps for the next one. README.md tells why kept cells are right.
+// Cells that a recorded frame keeps for the next one. README.md shows why kept cells are right.
 #pragma once
 
 #include <cstdint>
