@@ -132,8 +132,8 @@ struct PlanOptions {
     std::uint32_t chunk_size = 0;
     std::uint32_t k_init = 0;  // as Options::k_init
     // Keep the cells for the next frame: cells that still hold there are not made again. It changes speed, never the
-    // answer; see Header::kept. Pays where seeds move by at most a hundredth of their distance. Needs Buffers::kept, and
-    // all cells are in flight at once: chunk_size must be 0.
+    // answer; see Header::kept. Pays where seeds move by at most a hundredth of their distance. Needs Buffers::kept,
+    // and all cells are in flight at once: chunk_size must be 0.
     bool follow = false;
 };
 
@@ -154,7 +154,8 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
 struct BufferSizes {
     VkDeviceSize seeds = 0;  // input: x y z, `stride` numbers of `format` apart; ends with the last z
     // Scratch; contents are undefined. Use device-local memory. At most 90 bytes for each seed and image, 18 more with
-    // weights, 56 for each wall, 900 for each cell of the chunk. All buffers of 1e8 seeds need about 22 GB.
+    // weights, 56 for each wall, 900 for each cell of the chunk, 390 more with `follow`, where all cells are in one
+    // chunk. All buffers of 1e8 seeds need about 22 GB.
     VkDeviceSize workspace = 0;
     VkDeviceSize header = 0;   // struct Header
     VkDeviceSize cells = 0;    // N struct Cell
@@ -217,8 +218,8 @@ struct RecordOptions {
     std::optional<Box> box{};            // of this frame; default: that of the plan. Not with walls
     std::optional<TriclinicBox> cell{};  // of this frame, if the plan has one
     Timestamps timestamps{};             // none when pool is null
-    // Of a plan with `follow`: make all cells. Required for the first frame with a new buffer `kept`, or when something
-    // else wrote to it, or when the commands of the frame before did not run to the end.
+    // Of a plan with `follow`: make all cells. Required for the first frame with a new buffer `kept`. Also required
+    // when something else wrote to it, or the commands of the frame before did not run to the end.
     bool fresh = false;
 };
 

@@ -182,11 +182,10 @@ void test_cell(uint cell, uint planes, uint corners) {
         }
 }
 
-void main() {
-    const uint cell = linear_invocation();
-    if (cell >= push.cell_count) return;
+// Returns whether the cell holds, and writes it then.
+bool keep(uint cell) {
     const uint word = word_of(WORDS_KEPT, cell);
-    if (word == 0u) return;
+    if (word == 0u) return false;
     const uint planes = kept_planes(word), corners = kept_corners(word);
     set_seed(cell);
     status = px.y == NO_COORDINATE || state.incomplete != 0u || state.suspects != 0u ? STATUS_NEEDS_EXACT : STATUS_CERTIFIED;
@@ -201,6 +200,20 @@ void main() {
     }
     if (status == STATUS_CERTIFIED) finish(cell, cell, exponent);
     of_cells[word_at(WORDS_KEPT, cell)] = status == STATUS_CERTIFIED ? word | KEPT_HELD : 0u;
+    return status == STATUS_CERTIFIED;
+}
+
+// The work-group counts its own pending cells.
+shared uint pending;
+
+void main() {
+    const bool leads = gl_LocalInvocationIndex == 0u;
+    if (leads) pending = 0u;
+    barrier();
+    const uint cell = linear_invocation();
+    if (cell < push.cell_count && !keep(cell) && seed_input[cell] < push.own_count) atomicAdd(pending, 1u);
+    barrier();
+    if (leads && pending > 0u) atomicAdd(chunk.kept_pending, pending);
 }
 
 #endif

@@ -308,7 +308,10 @@ void main() {
         status = STATUS_CANDIDATES_EXHAUSTED;
         const uint cell = first + gl_LocalInvocationID.x;
         if (tier == 0u && gl_LocalInvocationID.x < uint(subgroups) && cell < push.cell_count)
-            if (push.keeps == 0u || !is_done(word_of(WORDS_KEPT, cell))) leave(cell);
+            if (push.keeps == 0u || !is_done(word_of(WORDS_KEPT, cell))) {
+                leave(cell);
+                if (push.keeps != 0u) of_cells[word_at(WORDS_KEPT, cell)] = KEPT_TRIED;
+            }
         return;
     }
     const uint slot = first + SUBGROUP;

@@ -78,7 +78,7 @@ bool matches(uint cell, uint word, Name own) {
         const Name name = plane_name(cell, i);
         if (name.id < 0) continue;
         const uint other = places[name.id], other_word = word_of(WORDS_KEPT, other);
-        if ((other_word & KEPT_HELD) != 0u) continue;
+        if ((other_word & KEPT_HELD) != 0u || other_word == 0u) continue;  // the next round compares with pending ones
         if ((other_word & KEPT_MADE) == 0u || !is_face_of(cell, word, i, other, other_word, own, name)) return false;
     }
     return true;

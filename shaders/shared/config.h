@@ -100,9 +100,9 @@
 #define WORDS_LIST_BOUND 8u    // float: squared distance beyond which seeds are unknown
 #define WORDS_LIST 9u          // k arrays: sorted seeds, nearest first
 
-// Frames that keep cells (kept/kept_cells.glsl). Each cell of the chunk has a column of KEPT_WORDS in the rows: its reach
-// in units as a float, planes, corners. Larger cells have none. A stored record has a head, planes, their shifts in a
-// periodic plan, and corners in pairs.
+// Frames that keep cells (kept/kept_column.glsl). Each cell of the chunk has a column of KEPT_WORDS in the rows: its
+// reach in units as a float, planes, corners. Larger cells have none. A stored record has a head, planes, their shifts
+// in a periodic plan, and corners in pairs.
 #define KEPT_PLANES 32
 #define KEPT_CORNERS 64
 #define KEPT_WORDS (1 + KEPT_PLANES + KEPT_CORNERS)

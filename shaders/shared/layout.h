@@ -133,6 +133,7 @@ struct KeptPush {
     uint image_count;  // places for images
     uint keeps;        // as in ClipPush
     uint capacity;     // records in the store
+    uint max_pending;  // of kept_drop
 };
 
 // Counts the kept cells over a place.
@@ -145,7 +146,7 @@ struct CoverPush {
     uint seed_count;
     uint own_count;
     uint keeps;
-    uint root;         // node of the root of the hierarchy
+    uint root;  // node of the root of the hierarchy
 };
 
 struct TodoPush {
@@ -251,12 +252,12 @@ struct ChunkState {
     uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
     uint row_base;    // first entry of the chunk's rows in the rows out
     // Of kept cells, which match up to the last round:
-    uint kept_pending;        // not 0: some did not match in this round
-    uint kept_over;           // cells over the place of a seed
-    uint kept_over_cell;      // one of them
-    uint kept_failed;         // not 0: all must be made
-    uint unknown_count;       // cells that no column describes, though they may have faces
-    uint kept_point;          // the seed; 0xffffffff if no cell is kept
+    uint kept_pending;    // after the test their number; then not 0: some did not match in this round
+    uint kept_over;       // cells over the place of a seed
+    uint kept_over_cell;  // one of them
+    uint kept_failed;     // not 0: all must be made
+    uint unknown_count;   // cells that no column describes, though they may have faces
+    uint kept_point;      // the seed; 0xffffffff if no cell is kept
     uint unknown[KEPT_UNKNOWN];
     uint unused[9];  // arrays follow (WORDS_), 256 bytes from the front, where any device can bind them
 };

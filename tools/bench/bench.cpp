@@ -310,7 +310,8 @@ int main(int argc, char** argv) try {
              "seeds; some 5 minutes"),
         mode("--memory", Mode::memory, "peak of resident memory a point, each program in a process of its own"),
         mode("--moving", Mode::moving,
-             "time of a call that follows moving seeds over that of a fresh one, 1e5 seeds, several domains, one thread; "
+             "time of a call that follows moving seeds over that of a fresh one, 1e5 seeds, several domains, one "
+             "thread; "
              "some 10 minutes; exit 1 when an answer differs"),
         mode("--gpu-table", Mode::gpu_table,
              "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered, lattices, and one of each "

@@ -93,16 +93,17 @@ int run_moving_table(const MovingTable& table, const std::vector<PeerVersion>& v
             for (const std::string& want : table.wants) {
                 std::vector<Outcome> all;
                 for (const double by : moves) {
-                    all.push_back(measure(input, want == "full" ? Want::full : Want::neighbors, by, table.steps,
-                                          table.rng_seed));
+                    all.push_back(
+                        measure(input, want == "full" ? Want::full : Want::neighbors, by, table.steps, table.rng_seed));
                     good = good && all.back().good;
                 }
                 std::printf("%-16s %9zu %-9s %9.0f", label_of(name).c_str(), input.size(), want.c_str(),
                             1e9 * all.front().fresh / static_cast<double>(input.size()));
                 for (std::size_t i = 0; i < all.size(); ++i) {
                     std::printf("  %.3f (%.2f)%s", median(all[i].ratios), all[i].kept, all[i].good ? "" : " WRONG");
-                    std::string item = "{\"input\": \"" + label_of(name) + "\", \"n\": " + std::to_string(input.size()) +
-                                       ", \"want\": \"" + want + "\", \"moved\": " + std::to_string(moves[i]) +
+                    std::string item = "{\"input\": \"" + label_of(name) +
+                                       "\", \"n\": " + std::to_string(input.size()) + ", \"want\": \"" + want +
+                                       "\", \"moved\": " + std::to_string(moves[i]) +
                                        ", \"kept\": " + std::to_string(all[i].kept) + ", \"ratios\": [";
                     for (std::size_t k = 0; k < all[i].ratios.size(); ++k)
                         item += (k > 0 ? ", " : "") + std::to_string(all[i].ratios[k]);

@@ -58,8 +58,8 @@ VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
 
 VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * std::max<VkDeviceSize>({words_per_cell(s), (s.areas ? 2 : 1) * planes,
-                                       planes + (s.follow ? KEPT_WORDS : 0)});
+    return 4 * std::max<VkDeviceSize>(
+                   {words_per_cell(s), (s.areas ? 2 : 1) * planes, planes + (s.follow ? KEPT_WORDS : 0)});
 }
 
 void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings) {

@@ -8,6 +8,12 @@ namespace {
 
 using vulkan::push_bytes;
 
+// The share of pending cells from which on all are made. Invocations side by side wait for each other: on lavapipe with
+// 8 lanes a frame with 8 % pending takes half the time of a whole one. Subgroups do not wait.
+double max_pending_share(const PassSettings& settings) {
+    return settings.subgroup_size != 0 ? 0.5 : 0.15;
+}
+
 // Returns the least width of the box along the vectors that repeat it, 3.0e38 if there are none.
 double least_width(const std::array<double, 9>& vectors, std::uint32_t periodic) {
     double least = UNBOUNDED;
@@ -48,7 +54,7 @@ void KeptFrames::set_job(const DeviceSeeds& seeds, const DeviceCells& cells, std
     bindings_.set(BINDING_SCAN_DATA, seeds.image_offsets());
     state_ = cells.state();
     clip_ = cells.clip_push();
-    push_ = {seeds.count(), count, count == 0 ? 0 : max_images_, clip_.keeps, seeds_};
+    push_ = {seeds.count(), count, count == 0 ? 0 : max_images_, clip_.keeps, seeds_, 0};
     std::array<double, 9> vectors{};
     std::uint32_t periodic = 0;
     for (std::size_t i = 0; const uvec2& words : seeds.vectors()) {
@@ -71,22 +77,26 @@ void KeptFrames::set_job(const DeviceSeeds& seeds, const DeviceCells& cells, std
 }
 
 void KeptFrames::record_recall(Recorder& recorder, const Passes& passes, bool fresh) const {
-    if (fresh) {  // no cell is stored
-        recorder.fill(store_, 0, VkDeviceSize{4} * seeds_, 0);
-        recorder.barrier();
-    }
+    record_reset(recorder);
+    if (fresh) recorder.fill(store_, 0, VkDeviceSize{4} * seeds_, 0);  // no cell is stored
+    recorder.barrier();
     recorder.dispatch(*passes.kept_places, bindings_.list(), push_bytes(push_), push_.cell_count);
     recorder.barrier();
     recorder.dispatch(*passes.kept_recall, bindings_.list(), push_bytes(push_), push_.cell_count);
     recorder.barrier();
     recorder.dispatch(*passes.clip_kept, bindings_.list(), push_bytes(clip_), push_.cell_count);
     recorder.barrier();
+    record_drop(recorder, passes, static_cast<std::uint32_t>(max_pending_share(passes.settings) * push_.own_count));
 }
 
-void KeptFrames::record_match(Recorder& recorder, const Passes& passes) const {
+void KeptFrames::record_reset(Recorder& recorder) const {
     constexpr VkDeviceSize first = offsetof(ChunkState, kept_pending), point = offsetof(ChunkState, kept_point);
     recorder.fill(state_, first, point - first, 0);
     recorder.fill(state_, point, 4, ~std::uint32_t{0});
+}
+
+void KeptFrames::record_match(Recorder& recorder, const Passes& passes) const {
+    record_reset(recorder);
     recorder.barrier();
     recorder.dispatch(*passes.kept_match, bindings_.list(), push_bytes(push_), push_.cell_count);
     recorder.barrier();
@@ -97,7 +107,13 @@ void KeptFrames::record_judgment(Recorder& recorder, const Passes& passes) const
     recorder.barrier();
     recorder.dispatch(*passes.kept_judge, bindings_.list(), push_bytes(cover_), push_.cell_count);
     recorder.barrier();
-    recorder.dispatch(*passes.kept_drop, bindings_.list(), push_bytes(push_), push_.cell_count);
+    record_drop(recorder, passes, 0);
+}
+
+void KeptFrames::record_drop(Recorder& recorder, const Passes& passes, std::uint32_t max_pending) const {
+    KeptPush push = push_;
+    push.max_pending = max_pending;
+    recorder.dispatch(*passes.kept_drop, bindings_.list(), push_bytes(push), push.cell_count);
     recorder.barrier();
 }
 

@@ -232,13 +232,14 @@ void Passes::make_kept(PassBatch& batch) {
     const vulkan::Constant walls{CONSTANT_WALLS, s.walls ? 1u : 0u};
     kept_places = kept("kept_places", shaders::kept_places, KeptPush{});
     kept_recall = kept("kept_recall", s.images ? kept_recall_names : shaders::kept_recall, KeptPush{});
-    clip_kept = kept("clip_kept", s.measure && s.measure_float64 ? clip_kept_f32_measure_f64 : clip_kept_f32, ClipPush{},
-                     {{CONSTANT_MAX_PLANES, KEPT_PLANES},
-                      {CONSTANT_MAX_VERTICES, KEPT_CORNERS},
-                      wanted_geometry(s),
-                      walls,
-                      unit_roundoff(batch.device()),
-                      has_weights(s)});
+    clip_kept =
+        kept("clip_kept", s.measure && s.measure_float64 ? clip_kept_f32_measure_f64 : clip_kept_f32, ClipPush{},
+             {{CONSTANT_MAX_PLANES, KEPT_PLANES},
+              {CONSTANT_MAX_VERTICES, KEPT_CORNERS},
+              wanted_geometry(s),
+              walls,
+              unit_roundoff(batch.device()),
+              has_weights(s)});
     kept_match = kept("kept_match", s.images ? kept_match_names : shaders::kept_match, KeptPush{});
     kept_cover = kept("kept_cover", shaders::kept_cover, CoverPush{},
                       {wanted_geometry(s), walls, unit_roundoff(batch.device()), has_weights(s)});

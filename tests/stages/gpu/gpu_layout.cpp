@@ -134,7 +134,7 @@ TEST_SUITE("stages") {
                        cells.walls, cells.neighbors, cells.volume_tolerance, cells.keeps));
         const auto kept = filled<KeptPush>();
         check("KeptPush", shaders::test_layout_kept, kept,
-              words_of(kept.cell_count, kept.own_count, kept.image_count, kept.keeps, kept.capacity));
+              words_of(kept.cell_count, kept.own_count, kept.image_count, kept.keeps, kept.capacity, kept.max_pending));
         const auto cover = filled<CoverPush>();
         check("CoverPush", shaders::test_layout_cover, cover,
               words_of(cover.extent, cover.vectors, cover.periodic, cover.bounded, cover.cell_count, cover.seed_count,
@@ -160,9 +160,9 @@ TEST_SUITE("stages") {
         CHECK(sizeof push == 4 * push_words.size());
         CHECK(reader.push(shaders::test_layout_frame, push) == push_words);
         const auto header = filled<FrameHeader>();
-        const Words header_words = words_of(header.seeds, header.certified, header.unresolved, header.duplicates,
-                                            header.outside, header.entries, header.faces, header.images, header.empty,
-                                            header.kept);
+        const Words header_words =
+            words_of(header.seeds, header.certified, header.unresolved, header.duplicates, header.outside,
+                     header.entries, header.faces, header.images, header.empty, header.kept);
         CHECK(sizeof header == 4 * header_words.size());
         CHECK(reader.buffer(shaders::test_layout_header, push_bytes(header)) == header_words);
         const auto cell = filled<FrameCell>();

@@ -134,6 +134,7 @@ void main() {
     put(push.image_count);
     put(push.keeps);
     put(push.capacity);
+    put(push.max_pending);
 #elif defined(COVER)
     put(push.extent);
     for (int i = 0; i < 9; ++i) put(push.vectors[i]);

@@ -1,6 +1,7 @@
 """lloyd(): energies compared with closed forms and gradients, steps with one dimension, arguments."""
 
 import dataclasses
+import sys
 import unittest
 from unittest import mock
 
@@ -32,6 +33,15 @@ def energy(points, density=None, **domain):
 
 
 class Energy(unittest.TestCase):
+    def test_energies_by_moments_are_those_by_polygons(self):
+        module = sys.modules["pyvotess.fields.lloyd"]
+        for points, domain in domains():
+            relaxed = vt.lloyd(points, steps=5, **domain)
+            with mock.patch.object(module, "_MAX_RATIO", 0):
+                expected = vt.lloyd(points, steps=5, **domain)
+            np.testing.assert_array_equal(relaxed.points, expected.points)
+            np.testing.assert_allclose(relaxed.energies, expected.energies, rtol=1e-11)
+
     def test_one_seed(self):
         p = np.array([0.3, 0.1, 0.9])
         self.assertAlmostEqual(energy([p], box=UNIT_BOX), 3 / 12 + ((p - 0.5) ** 2).sum(), places=14)
