@@ -95,6 +95,9 @@ private:
         }
         if (candidates.size() == 1) return candidates[0];
         if (candidates.empty()) {
+            // Whoever reads an array of another type says which type it expects.
+            for (const ZipMember& member : members_)
+                if (member.name.ends_with(".npy") && open(member).has_columns(flat ? 2 : 3)) return &member;
             throw bad_input(name_ + ": no array of floats with shape " + shapes_of(request_.dimensions) +
                             (flat ? ", nor arrays x and y" : ", nor arrays x, y and z"));
         }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "failure.hpp"
@@ -66,13 +67,21 @@ public:
                 section_ = word;
                 if (section_ == "**general") read_general();
                 if (section_ == "**cell") cells_ = words_.count("cells");
+                if (section_ == "**format") format_ = words_.number("the version of the format");
                 if (section_ == "**vertex") read_vertices();
+                if (section_ == "**face" && has_planes()) read_faces();
+                if (section_ == "**polyhedron" && has_planes()) read_polyhedra();
             } else if (word.starts_with("*")) {
                 read_part(word);
             }
         }
         if (input_.points.size() != 3 * cells_)
             throw bad_input(name_ + ": a .tess file without seeds (*seed): its cells may be no power diagram");
+        if (input_.note.empty() && !are_power_cells())
+            throw bad_input(
+                name_ +
+                ": its polyhedra are not the power cells of its seeds, as after -transform or with aspratio: "
+                "to make the cells of the seeds, write these as rows of text");
         set_domain();
         return std::move(input_);
     }
@@ -93,6 +102,68 @@ private:
             words_.skip(4, "a vertex");
             if (words_.whole("the state of a vertex") != 0) input_.note = "regularized polyhedra, made again without";
         }
+    }
+
+    // Whether the rows of faces are those that read_faces() knows.
+    [[nodiscard]] bool has_planes() const { return format_ >= 3.4 && format_ < 4; }
+
+    // Returns the number of a face without the sign that says how it is oriented.
+    static std::uint64_t face_of(std::int64_t number) {
+        const auto face = static_cast<std::uint64_t>(number);
+        return number < 0 ? 0 - face : face;
+    }
+
+    // A row: number; lists of vertices and edges; the plane as d, a, b, c; a state; a point and its coordinates.
+    void read_faces() {
+        const std::size_t count = words_.count("faces");
+        for (std::size_t i = 0; i < count; ++i) {
+            std::array<double, 4>& plane = planes_[face_of(words_.whole("a face"))];
+            words_.skip(words_.count("vertices"), "a vertex");
+            words_.skip(words_.count("edges"), "an edge");
+            for (double& x : plane) x = words_.number("a parameter of a plane");
+            words_.skip(5, "a point of a face");
+        }
+    }
+
+    // A row: number, the number of faces, and these, negative where they face inward.
+    void read_polyhedra() {
+        const std::size_t count = words_.count("polyhedra");
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::int64_t cell = words_.whole("a polyhedron");
+            if (cell < 1 || static_cast<std::uint64_t>(cell) > cells_)
+                throw words_.error("polyhedron " + std::to_string(cell) + " is none of the cells");
+            const std::size_t faces = words_.count("faces");
+            for (std::size_t k = 0; k < faces; ++k)
+                sides_[face_of(words_.whole("a face"))].push_back(static_cast<std::size_t>(cell) - 1);
+        }
+    }
+
+    // Returns whether each face between two cells lies on the bisector of their seeds. Numbers have 12 decimals.
+    [[nodiscard]] bool are_power_cells() const {
+        constexpr double tolerance = 1e-6;
+        for (const auto& [face, cells] : sides_) {
+            const auto plane = planes_.find(face);
+            if (cells.size() != 2 || plane == planes_.end()) continue;
+            std::array<double, 3> normal{};
+            double length = 0, along = 0, offset = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double a = input_.points[3 * cells[0] + k], b = input_.points[3 * cells[1] + k];
+                normal[k] = b - a;
+                length += normal[k] * normal[k];
+                along += normal[k] * plane->second[k + 1];
+                offset += (b - a) * (b + a) / 2;
+            }
+            const double a = radii_[cells[0]], b = radii_[cells[1]];
+            offset += (a - b) * (a + b) / 2;
+            length = std::sqrt(length);
+            const double sign = along < 0 ? -1 : 1, near = std::max(tolerance, 1e-10 / length);
+            offset /= length;
+            bool same = std::abs(sign * plane->second[0] - offset) < near * std::max(1.0, std::abs(offset));
+            for (std::size_t k = 0; k < 3; ++k)
+                same &= std::abs(sign * plane->second[k + 1] - normal[k] / length) < near;
+            if (!same) return false;
+        }
+        return true;
     }
 
     void read_part(std::string_view part) {
@@ -134,6 +205,12 @@ private:
             words_.skip(1, "a label");
             words_.skip(words_.count("vertices"), "a vertex");
         }
+    }
+
+    // Returns the number of a face without the sign that says how it is oriented.
+    static std::uint64_t face_of(std::int64_t number) {
+        const auto face = static_cast<std::uint64_t>(number);
+        return number < 0 ? 0 - face : face;
     }
 
     // A row: number; lists of vertices and edges; type, the number of parameters, and these; label; a list of faces.
@@ -193,6 +270,9 @@ private:
     const std::string& name_;
     std::string section_, domain_;
     std::size_t cells_ = 0;
+    double format_ = 0;
+    std::map<std::uint64_t, std::array<double, 4>> planes_;    // of faces
+    std::map<std::uint64_t, std::vector<std::size_t>> sides_;  // the cells of faces
     std::vector<double> radii_;
     votess::Box box_;
     std::array<double, 3> middle_{};  // of the domain's vertices

@@ -311,6 +311,16 @@ class SolverFiles(ReaderTest):
         self.put("c.tess", TESS.format(0, 0, "cube", CUBE_FACES).replace("***end", per))
         self.assertEqual(json.loads(self.run_cli("c.tess", "--json").stdout)["domain"]["periodic"], [True, True, False])
 
+    def test_tess_of_other_polyhedra(self):
+        self.run_cli("--random", "20", "-q", "-o", "a.tess")
+        self.assertEqual(len(self.rows("a.tess")), 20)
+        lines = (self.folder / "a.tess").read_text().splitlines()
+        at = next(i for i, line in enumerate(lines) if line.split() == ["*seed"]) + 1
+        one, two = (line.split(maxsplit=1) for line in lines[at : at + 2])
+        lines[at : at + 2] = [f"{one[0]} {two[1]}", f"{two[0]} {one[1]}"]  # the seeds of two cells change places
+        self.put("b.tess", "\n".join(lines) + "\n")
+        self.refuse("b.tess", says="its polyhedra are not the power cells of its seeds")
+
     def test_tess_in_and_out(self):
         self.put("a.csv", "x,y,z,r\n" + "".join(f"{x},{y},{z},{0.3 * x}\n" for x, y, z in random_points(60).tolist()))
         for box in [["--box", "0,0,0,1,1,1"], ["--cell", "1,0,0,0.2,1,0,0.3,0.1,1", "--periodic", "none", "--outside", "drop"],
