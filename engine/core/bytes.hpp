@@ -31,7 +31,7 @@ public:
         if constexpr (requires { value.put_to(*this); }) {
             value.put_to(*this);
         } else if constexpr (HasParts<T>) {
-            std::apply([this](const auto&... part) { (put(part), ...); }, T::parts(value));
+            std::apply([&](const auto&... part) { (put(part), ...); }, T::parts(value));
         } else {
             static_assert(std::is_trivially_copyable_v<T>);
             append(std::span(&value, 1));
@@ -73,7 +73,7 @@ public:
         if constexpr (requires { value.get_from(*this); }) {
             value.get_from(*this);
         } else if constexpr (HasParts<T>) {
-            std::apply([this](auto&... part) { (get(part), ...); }, T::parts(value));
+            std::apply([&](auto&... part) { (get(part), ...); }, T::parts(value));
         } else {
             static_assert(std::is_trivially_copyable_v<T>);
             std::memcpy(&value, take(sizeof(T)), sizeof(T));

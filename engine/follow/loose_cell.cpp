@@ -83,7 +83,7 @@ std::size_t LooseCell::pack(std::size_t seed, CornerEdges& edges, std::size_t ro
     }
     for (std::size_t v = 0; v < corners; ++v) {
         const auto [a, b, c] = corner[v];
-        closed &= edges.find(b, a).exists & edges.find(c, b).exists & edges.find(a, c).exists;
+        closed &= edges.find(b, a).exists && edges.find(c, b).exists && edges.find(a, c).exists;
     }
     head.tied |= !closed;
     constexpr std::uint8_t unused = 255;
