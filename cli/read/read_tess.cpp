@@ -207,12 +207,6 @@ private:
         }
     }
 
-    // Returns the number of a face without the sign that says how it is oriented.
-    static std::uint64_t face_of(std::int64_t number) {
-        const auto face = static_cast<std::uint64_t>(number);
-        return number < 0 ? 0 - face : face;
-    }
-
     // A row: number; lists of vertices and edges; type, the number of parameters, and these; label; a list of faces.
     void read_domain_faces() {
         const std::size_t count = words_.count("faces of the domain");
