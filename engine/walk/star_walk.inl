@@ -596,28 +596,38 @@ void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
 // Returns the group whose box is the nearest to a vertex, or no_group if that is too far away for numbers.
 template <class Isa>
 std::uint32_t StarWalk<Isa>::group_near(const Four& x) {
-    const auto farther = [](const NearNode& a, const NearNode& b) { return a.square > b.square; };
+    std::uint32_t nearest = no_group;
+    double least = std::numeric_limits<double>::infinity();
     near_nodes_.assign(1, {0, std::max(0, hierarchy_.top_level() - 1) + 1, 0});
     while (!near_nodes_.empty()) {
-        std::ranges::pop_heap(near_nodes_, farther);
-        const auto [least, level, node] = near_nodes_.back();
+        const auto [square, level, node] = near_nodes_.back();
         near_nodes_.pop_back();
-        if (level == 0) return node;
+        if (!(square < least)) continue;
+        if (level == 0) {
+            nearest = node;
+            least = square;
+            continue;
+        }
         const BoxBlock& boxes = hierarchy_.block(level - 1, node);
-        for (std::uint32_t child = 0; child < box_fan; ++child) {
-            double square = 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const double at = p_[k] + x.x[k] * unscale_;
+        std::array<double, box_fan> squares{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double at = p_[k] + x.x[k] * unscale_;
+            for (std::uint32_t child = 0; child < box_fan; ++child) {
                 // NaN stays NaN. Places without a box are infinitely far away.
                 const double gap = std::max(std::max(boxes.lower[k][child] - at, at - boxes.upper[k][child]), 0.0);
-                square += gap * gap;
+                squares[child] += gap * gap;
             }
-            if (!(square < std::numeric_limits<double>::infinity())) continue;
-            near_nodes_.push_back({square, level - 1, node * box_fan + child});
-            std::ranges::push_heap(near_nodes_, farther);
         }
+        // The nearest child is next.
+        std::size_t last = near_nodes_.size();
+        for (std::uint32_t child = 0; child < box_fan; ++child) {
+            if (!(squares[child] < least)) continue;
+            near_nodes_.push_back({squares[child], level - 1, node * box_fan + child});
+            if (squares[child] < near_nodes_[last].square) last = near_nodes_.size() - 1;
+        }
+        if (last < near_nodes_.size()) std::swap(near_nodes_[last], near_nodes_.back());
     }
-    return no_group;
+    return nearest;
 }
 
 // Adds seeds beyond the candidates that may lie in the ball around the vertex, which shrinks with each.
