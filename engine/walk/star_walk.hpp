@@ -291,7 +291,7 @@ private:
     [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
-    [[nodiscard]] std::uint32_t group_near(const Four& x);
+    [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known);
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added);
     template <class Visit>
     bool step_along(const Wide& nearest, const Wide& along, Visit visit) const;

@@ -593,11 +593,26 @@ void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
     }
 }
 
-// Returns the group whose box is the nearest to a vertex, or no_group if that is too far away for numbers.
+// Returns the group whose box is the nearest to a vertex, or no_group if that is too far away for numbers. Returns
+// `known`, unless it is no_group, where no other box is nearer.
 template <class Isa>
-std::uint32_t StarWalk<Isa>::group_near(const Four& x) {
-    std::uint32_t nearest = no_group;
-    double least = std::numeric_limits<double>::infinity();
+std::uint32_t StarWalk<Isa>::group_near(const Four& x, std::uint32_t known) {
+    const auto squares_to = [&](int level, std::uint32_t node) {
+        const BoxBlock& boxes = hierarchy_.block(level, node);
+        std::array<double, box_fan> squares{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double at = p_[k] + x.x[k] * unscale_;
+            for (std::uint32_t child = 0; child < box_fan; ++child) {
+                // NaN stays NaN. Places without a box are infinitely far away.
+                const double gap = std::max(std::max(boxes.lower[k][child] - at, at - boxes.upper[k][child]), 0.0);
+                squares[child] += gap * gap;
+            }
+        }
+        return squares;
+    };
+    std::uint32_t nearest = known;
+    double least =
+        known == no_group ? std::numeric_limits<double>::infinity() : squares_to(0, known / box_fan)[known % box_fan];
     near_nodes_.assign(1, {0, std::max(0, hierarchy_.top_level() - 1) + 1, 0});
     while (!near_nodes_.empty()) {
         const auto [square, level, node] = near_nodes_.back();
@@ -608,16 +623,7 @@ std::uint32_t StarWalk<Isa>::group_near(const Four& x) {
             least = square;
             continue;
         }
-        const BoxBlock& boxes = hierarchy_.block(level - 1, node);
-        std::array<double, box_fan> squares{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double at = p_[k] + x.x[k] * unscale_;
-            for (std::uint32_t child = 0; child < box_fan; ++child) {
-                // NaN stays NaN. Places without a box are infinitely far away.
-                const double gap = std::max(std::max(boxes.lower[k][child] - at, at - boxes.upper[k][child]), 0.0);
-                squares[child] += gap * gap;
-            }
-        }
+        const std::array<double, box_fan> squares = squares_to(level - 1, node);
         // The nearest child is next.
         std::size_t last = near_nodes_.size();
         for (std::uint32_t child = 0; child < box_fan; ++child) {
@@ -678,7 +684,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const s
     };
     // A large ball may hold very many seeds. Those near its center cut off nearly as much of the edge as all together.
     for (std::uint32_t last = no_group; 4 * length2 > far_share * covered_;) {
-        const std::uint32_t group = group_near(x);
+        const std::uint32_t group = group_near(x, last);
         if (group == std::exchange(last, group)) break;
         if (!visit({&last, 1})) return room;
     }
