@@ -61,7 +61,8 @@ public:
         zone.push_back(elements(
             "Cells", polyhedra, faces, cells, [&](std::size_t i) { return cells_.of(i); }, 0));
         std::vector<Hdf5Node> walls, connections;
-        for (const Patch& patch : mesh_.patches) (patch.wall != 0 ? walls : connections).push_back(boundary(patch));
+        for (const Patch& patch : mesh_.patches)
+            if (patch.count > 0) (patch.wall != 0 ? walls : connections).push_back(boundary(patch));
         if (!walls.empty()) zone.push_back(group("ZoneBC", "ZoneBC_t", std::move(walls)));
         if (!connections.empty())
             zone.push_back(group("ZoneGridConnectivity", "ZoneGridConnectivity_t", std::move(connections)));

@@ -201,6 +201,30 @@ void measure_angles(Remesh& mesh) {
     mesh.mean_min_angle = count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
+// Marks parts without a triangle, and those with a common curve but no edge: a small component in two cells, or cells
+// that follow each other along a ribbon. The mesh would lack them.
+void mark_lone_parts(const SurfaceCells& cells, const std::vector<std::int32_t>& triangles,
+                     const std::vector<std::int32_t>& first, std::vector<std::uint8_t>& bad) {
+    std::vector<std::int32_t> cell_of(bad.size());
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        std::fill(cell_of.begin() + first[i], cell_of.begin() + first[i + 1], static_cast<std::int32_t>(i));
+    std::vector<std::pair<std::int32_t, std::int32_t>> joined;  // a part, and a cell that an edge leads to
+    for (const auto& [low, high, count] : edges_of(triangles)) {
+        joined.emplace_back(low, cell_of[at(high)]);
+        joined.emplace_back(high, cell_of[at(low)]);
+    }
+    std::ranges::sort(joined);
+    for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p)
+        for (std::int64_t c = cells.polygon_offsets[p]; c < cells.polygon_offsets[p + 1]; ++c) {
+            const std::pair side{cells.polygon_pieces[p], cells.beyond[at(c)]};
+            if (side.second >= 0 && !std::ranges::binary_search(joined, side)) bad[at(side.first)] = 1;
+        }
+    std::vector<std::uint8_t> has_triangle(bad.size());
+    for (const std::int32_t part : triangles) has_triangle[at(part)] = 1;
+    for (std::size_t part = 0; part < bad.size(); ++part)
+        if (has_triangle[part] == 0) bad[part] = 1;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> faulty_parts(const SurfaceCells& cells, const std::vector<std::int32_t>& triangles,
@@ -222,6 +246,7 @@ std::vector<std::uint8_t> faulty_parts(const SurfaceCells& cells, const std::vec
     for (const auto& [low, high, count] : edges_of(triangles))
         if (count > 2 || (count == 1 && (at_border[at(low)] == 0 || at_border[at(high)] == 0)))
             bad[at(at_border[at(low)] == 0 ? low : high)] = 1;
+    mark_lone_parts(cells, triangles, first, bad);
     for (std::size_t piece = 0; piece < bad.size(); ++piece)
         if (is_crowded[piece] != 0) bad[piece] = 0;
     return bad;

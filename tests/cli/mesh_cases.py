@@ -316,10 +316,14 @@ class SolverFiles(ReaderTest):
         self.assertEqual(len(self.rows("a.tess")), 20)
         lines = (self.folder / "a.tess").read_text().splitlines()
         at = next(i for i, line in enumerate(lines) if line.split() == ["*seed"]) + 1
-        one, two = (line.split(maxsplit=1) for line in lines[at : at + 2])
-        lines[at : at + 2] = [f"{one[0]} {two[1]}", f"{two[0]} {one[1]}"]  # the seeds of two cells change places
+        seeds = [line.split(maxsplit=1) for line in lines[at : at + 20]]
+        for k in range(20):  # each cell gets the seed of the next one
+            lines[at + k] = f"{seeds[k][0]} {seeds[(k + 1) % 20][1]}"
         self.put("b.tess", "\n".join(lines) + "\n")
         self.refuse("b.tess", says="its polyhedra are not the power cells of its seeds")
+        self.put("far.csv", "x,y,z\n" + "".join(f"{5e6 + x},{5e6 + y},{5e6 + z}\n" for x, y, z in random_points(60).tolist()))
+        self.run_cli("far.csv", "--box", "5e6,5e6,5e6,5000001,5000001,5000001", "-q", "-o", "far.tess")
+        self.assertEqual(len(self.rows("far.tess", "--outside", "keep")), 60)
 
     def test_tess_in_and_out(self):
         self.put("a.csv", "x,y,z,r\n" + "".join(f"{x},{y},{z},{0.3 * x}\n" for x, y, z in random_points(60).tolist()))

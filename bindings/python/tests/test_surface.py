@@ -194,6 +194,19 @@ class Surface(unittest.TestCase):
         np.testing.assert_allclose(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2].sum() / 2, 1, rtol=1e-12)
         np.testing.assert_array_equal(flat.vertices, vt.remesh(*SQUARE, 60, threads=1).vertices)
 
+    def test_remesh_keeps_small_parts_or_reports_them(self):
+        corners, sides = cube()
+        vertices = np.concatenate((corners, 0.05 * corners + [1.2, 0.3, 0.3]))
+        mesh = vt.remesh(vertices, np.concatenate((sides, np.add(sides, len(corners)))), 200)
+        self.assertEqual((len(mesh.faults), mesh.border_edges, mesh.crowded_edges), (0, 0, 0))
+        self.assertAlmostEqual(mesh.vertices[mesh.triangles, 0].max(), 1.25)
+        ribbon = [(0, 0, 0), (10, 0, 0), (10, 0.1, 0), (0, 0.1, 0)]
+        for count in (20, 100):
+            mesh = vt.remesh(ribbon, [(0, 1, 2), (0, 2, 3)], count)
+            a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+            area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+            self.assertTrue(area > 0.9 or len(mesh.faults) > 0, (count, area))
+
     def test_bad_input(self):
         points, (vertices, triangles) = np.zeros((1, 3)), SQUARE
         for message, call in (

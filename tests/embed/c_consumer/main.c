@@ -186,6 +186,7 @@ static void check_pieces(const votess_result* result) {
                                   ARRAY(pieces, pieces, "centroids", NULL),
                                   ARRAY(pieces, pieces, "sources", NULL),
                                   0,
+                                  NULL,
                                   NULL};
     CHECK(length == (size_t)arrays.triangle_offsets[8]);
     CHECK(ARRAY(pieces, pieces, "sources", &length) != NULL && length == (size_t)arrays.triangle_offsets[8]);
