@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
+#include "core/arithmetic.hpp"
 #include "exact/integer/big_int.hpp"
 #include "exact/integer/rows.hpp"
 
@@ -16,7 +16,6 @@ using solid::unit;
 constexpr double place_rounding = 0x1p-43;  // of the size of the triangle and the distance of its seed
 constexpr double weight_rounding = 0x1p-36;
 constexpr double search_rounding = 0x1p-46;  // of squares of lengths, and weights
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double length(const Vector3& x) {
     return std::sqrt(dot(x, x));

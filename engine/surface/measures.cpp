@@ -9,11 +9,7 @@
 #include "surface/nearest.hpp"
 
 namespace votess::surface {
-namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 void CellOnSurface::measure(std::int32_t seed, std::span<const std::size_t> own) {
     seed_ = seed;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "core/arithmetic.hpp"
 #include "core/at.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
@@ -17,8 +17,6 @@
 
 namespace votess::surface {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Vector3 place_at(const std::vector<double>& places, std::int32_t i) {
     const std::size_t k = 3 * at(i);

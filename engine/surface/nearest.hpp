@@ -2,10 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "core/vector3.hpp"
 
 namespace votess::surface {
+
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();  // of places that do not exist
 
 [[nodiscard]] inline Vector3 along(const Vector3& from, const Vector3& way, double share) {
     return {from[0] + share * way[0], from[1] + share * way[1], from[2] + share * way[2]};

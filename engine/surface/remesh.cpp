@@ -25,7 +25,6 @@ namespace votess {
 namespace surface {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t max_count = std::size_t{1} << 28;  // of places: corners of their cells have 32-bit numbers
 
 // Cells that fall into parts are counted after so many steps. Where these are more than the vertices by a share,
