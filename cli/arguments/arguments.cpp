@@ -288,7 +288,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
     if (const std::string* frames = typed.value("--frames")) arguments.frames = read_frame_range(*frames);
     if (const std::string* frame = typed.value("--frame")) arguments.read.frame = whole_number("--frame", *frame, max);
     if (random) {
-        arguments.random_count = read_random_count("--random", *random);
+        arguments.random_count = read_count("--random", *random, std::numeric_limits<std::int32_t>::max());
         const double height = arguments.read.dimensions == Dimensions::two ? 0 : 1;
         if (!typed.has("--mesh") && !typed.has("--surface"))
             arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, height}};
@@ -462,8 +462,7 @@ std::string answer_to(const Typed& typed) {
 
 }  // namespace
 
-std::uint64_t read_random_count(const std::string& option, const std::string& text) {
-    constexpr std::uint64_t max = std::numeric_limits<std::int32_t>::max();
+std::uint64_t read_count(const std::string& option, const std::string& text, std::uint64_t max) {
     const auto number = read_double(text);
     const bool whole = number && *number >= 0 && *number <= static_cast<double>(max) && *number == std::floor(*number);
     return whole ? static_cast<std::uint64_t>(*number) : whole_number(option, text, max);
@@ -481,7 +480,7 @@ void load_mesh(Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
     const bool merge = arguments.mesh.merge;
     const double tolerance = arguments.mesh.tolerance;
-    arguments.mesh = read_surface(arguments.mesh_file);
+    arguments.mesh = read_surface("--mesh", arguments.mesh_file);
     arguments.mesh.merge |= merge;
     arguments.mesh.tolerance = tolerance;
     arguments.options.mesh = arguments.mesh.view();

@@ -85,8 +85,8 @@ struct Arguments {
 // Throws Failure with exit_code::bad_input. Checks nothing else when `answer` is set.
 [[nodiscard]] Arguments read_arguments(int count, const char* const* values);
 
-// Reads a count of points, also in the form 1e6. Throws Failure.
-[[nodiscard]] std::uint64_t read_random_count(const std::string& option, const std::string& text);
+// Reads a count of points up to a maximum, also in the form 1e6. Throws Failure.
+[[nodiscard]] std::uint64_t read_count(const std::string& option, const std::string& text, std::uint64_t max);
 
 // Reads the file of --mesh, if that is given, into the options. Throws Failure.
 void load_mesh(Arguments& arguments);

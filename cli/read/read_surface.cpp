@@ -252,7 +252,7 @@ bool holds_polygons(const std::string& path) {
     return extension == ".geojson" || extension == ".json";
 }
 
-Surface read_surface(const std::string& path) {
+Surface read_surface(const std::string& option, const std::string& path) {
     struct Format {
         std::string_view extension;
         Surface (*parse)(std::string_view, const std::string&);
@@ -266,7 +266,7 @@ Surface read_surface(const std::string& path) {
                                              {".json", parse_geojson}}};
     const auto* const format = std::ranges::find(formats, std::string_view(extension_of(path)), &Format::extension);
     if (format == formats.end())
-        throw bad_input("--mesh " + in_quotes(path) +
+        throw bad_input(option + " " + in_quotes(path) +
                         ": known are .off .obj .stl .ply .glb, and with --2d .geojson: convert it, for example with " +
                         "trimesh, PyVista or Blender");
     return format->parse(read_whole(path), path);

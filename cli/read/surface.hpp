@@ -49,7 +49,7 @@ private:
 // Returns whether the file holds polygons of the plane, by its extension.
 [[nodiscard]] bool holds_polygons(const std::string& path);
 // Returns the mesh of a file with one of these extensions. Throws Failure.
-[[nodiscard]] Surface read_surface(const std::string& path);
+[[nodiscard]] Surface read_surface(const std::string& option, const std::string& path);
 
 // The readers of the formats. Messages begin with `name:`, or `name:line:` where there are lines. They throw Failure.
 [[nodiscard]] Surface parse_off(std::string_view text, const std::string& name);

@@ -226,7 +226,7 @@ public:
     explicit SurfaceRun(const Arguments& arguments) : arguments_(arguments) {}
 
     std::string run() {
-        surface_ = read_surface(arguments_.surface_file);
+        surface_ = read_surface("--surface", arguments_.surface_file);
         surface_.merge |= arguments_.mesh.merge;
         surface_.tolerance = arguments_.mesh.tolerance;
         report_.add("surface_triangles", surface_.triangles.size() / 3);
@@ -352,7 +352,7 @@ void read_surface_options(const Typed& typed, Arguments& arguments) {
         for (const char* option : {"--dataset", "--frame", "--columns", "--weights", "--radii"})
             if (typed.has(option))
                 throw bad_input(std::string(option) + " goes with INPUT, not with --remesh: leave it out");
-        arguments.remesh = read_random_count("--remesh", *count);
+        arguments.remesh = read_count("--remesh", *count, std::uint64_t{1} << 28);
         if (arguments.outputs.empty())
             throw bad_input("--remesh makes a mesh: add -o FILE in .obj, .ply, .off, .stl, .npz or .h5");
     }
