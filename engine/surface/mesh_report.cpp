@@ -234,10 +234,12 @@ std::vector<std::uint8_t> faulty_parts(const SurfaceCells& cells, const std::vec
             bad[at(piece)] = cells.euler[i] != cells.pieces[i] ? 1 : 0;
             at_border[at(piece)] = cells.borders[i] > 0 ? 1 : 0;
         }
-    // Cells of one part with several common curves, as around an opening.
+    // Two cells of one part each with several common curves, as around an opening.
     for (std::size_t i = 0; i < cells.size(); ++i)
-        for (std::size_t k = at(cells.indptr[i]); k < at(cells.indptr[i + 1]) && cells.pieces[i] == 1; ++k)
-            if (cells.curves[k] != 1 || cells.loops[k] != 0) bad[at(first[i])] = 1;
+        for (std::size_t k = at(cells.indptr[i]); k < at(cells.indptr[i + 1]); ++k)
+            if (cells.pieces[i] == 1 && cells.pieces[at(cells.indices[k])] == 1 &&
+                (cells.curves[k] != 1 || cells.loops[k] != 0))
+                bad[at(first[i])] = 1;
     for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p)
         for (std::int64_t c = cells.polygon_offsets[p]; c < cells.polygon_offsets[p + 1]; ++c)
             if (const std::int32_t beyond = cells.beyond[at(c)];

@@ -207,6 +207,17 @@ class Surface(unittest.TestCase):
             area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
             self.assertTrue(area > 0.9 or len(mesh.faults) > 0, (count, area))
 
+    def test_remesh_keeps_openings(self):
+        angles = 2 * np.pi * np.arange(12) / 12
+        ring = np.stack((0.05 * np.cos(angles), 0.05 * np.sin(angles)), axis=1)
+        tube = np.concatenate([np.insert(ring, 2, z, axis=1) for z in np.linspace(0, 1, 21)])
+        at = np.arange(len(tube)).reshape(21, 12)
+        a, b, c, d = at[:-1], np.roll(at, -1, 1)[:-1], np.roll(at, -1, 1)[1:], at[1:]
+        triangles = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
+        for seed in range(3):
+            mesh = vt.remesh(tube, triangles, 20, rng_seed=seed)
+            self.assertTrue(mesh.border_edges >= 6 or len(mesh.faults) > 0, (seed, mesh.border_edges))
+
     def test_bad_input(self):
         points, (vertices, triangles) = np.zeros((1, 3)), SQUARE
         for message, call in (
