@@ -79,7 +79,9 @@ bool RowPolytope::meet(int a, int b, int c, Corner& corner) const {
     const double w = dot(na, bc), m = la * lb * lc, inverse = 1 / w;
     for (std::size_t k = 0; k < 3; ++k) corner.at[k] = (da * bc[k] + db * ca[k] + dc * ab[k]) * inverse;
     corner.constant = filter_bound * m * inverse;
-    corner.error = corner.slope = corner.constant * (distance_[at(a)] + distance_[at(b)] + distance_[at(c)]);
+    corner.slope = corner.constant * (distance_[at(a)] + distance_[at(b)] + distance_[at(c)]);
+    // The error of W moves the corner along its own direction, which no slack of n.X - d W sees.
+    corner.error = corner.slope + corner.constant * length3(corner.at[0], corner.at[1], corner.at[2]);
     corner.planes = {a, b, c};
     return w > filter_bound * m;
 }
@@ -205,7 +207,10 @@ bool RowPolytope::wrap_surely() {
         }
         return true;
     };
-    if (sure()) return true;
+    if (sure()) {
+        for (Corner& corner : corners_) sharpen(corner);
+        return true;
+    }
     std::fill_n(pairs_.begin(), n * n, -1);
     return false;
 }
@@ -313,6 +318,16 @@ int RowPolytope::guess_end(const Vector3& from, const Vector3& along, int a, int
     return found >= 0 ? found : first_hit(from, along, a, b).plane;
 }
 
+// Makes the place of a corner exact to rounding, where it is not nearly so.
+void RowPolytope::sharpen(Corner& corner) {
+    if (corner.error < 0x1p-40 * length3(corner.at[0], corner.at[1], corner.at[2])) return;
+    const auto [a, b, c] = corner.planes;
+    (void)source(a);
+    corner.at = exact::near_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)]);
+    for (double& x : corner.at) x *= unit_;
+    corner.error = 0x1p-51 * length3(corner.at[0], corner.at[1], corner.at[2]);
+}
+
 // Makes the corner of three planes that meet in a point. Returns the plane that cuts off the most beside it, or -1 and
 // all planes through it.
 int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& through) {
@@ -321,12 +336,7 @@ int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& th
         corner.planes = {a, b, c};
     }
     const exact::Plane &pa = source(a), &pb = source(b), &pc = source(c);
-    const double length = length3(corner.at[0], corner.at[1], corner.at[2]);
-    if (!(corner.error < 0x1p-40 * length)) {
-        corner.at = exact::near_vertex(planes_.seed(seed_), pa, pb, pc);
-        for (double& x : corner.at) x *= unit_;
-        corner.error = 0x1p-51 * length3(corner.at[0], corner.at[1], corner.at[2]);
-    }
+    sharpen(corner);
     through.clear();
     int deepest = -1;
     double depth = 0;

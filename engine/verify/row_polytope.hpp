@@ -127,6 +127,7 @@ private:
     [[nodiscard]] int guess_end(const Vector3& from, const Vector3& along, int a, int b);
     [[nodiscard]] bool guess_start(std::array<int, 3>& planes);
     [[nodiscard]] bool guess_from(int a, std::array<int, 3>& planes);
+    void sharpen(Corner& corner);
     [[nodiscard]] int place(int a, int b, int c, Corner& corner, std::vector<int>& through);
     [[nodiscard]] bool start_at(const std::array<int, 3>& guess);
     [[nodiscard]] bool find_start();

@@ -340,18 +340,24 @@ void add_area_of(const Tessellation& far, std::size_t entry, const AtInfinity& i
                  ExpectedRow& row) {
     std::array<double, 3> doubled{};
     std::vector<std::array<double, 3>> places;
-    double square = 0;  // of the largest distance from the seed, with which positions and areas are rounded
+    double square = 0;   // of the largest distance from the seed, with which areas are rounded
+    double largest = 0;  // coordinate of a corner, with which it is rounded
     for (const std::int32_t v : AtInfinity::corners(far, entry)) {
         if (infinite.has(v)) return row.add_area(infinity, 0);
         auto& place = places.emplace_back();
-        for (std::size_t k = 0; k < 3; ++k) place[k] = far.vertices()[3 * at(v) + k] - seed[k];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = far.vertices()[3 * at(v) + k];
+            place[k] = x - seed[k];
+            largest = std::max(largest, std::abs(x));
+        }
         square = std::max(square, dot(place, place));
     }
     for (std::size_t k = 1; k + 1 < places.size(); ++k) {
         const auto part = cross(minus(places[k], places[0]), minus(places[k + 1], places[0]));
         for (std::size_t c = 0; c < 3; ++c) doubled[c] += part[c];
     }
-    row.add_area(0.5 * length3(doubled[0], doubled[1], doubled[2]), square);
+    row.add_area(0.5 * length3(doubled[0], doubled[1], doubled[2]),
+                 square + 0x1p-48 / double_tolerance.cell * largest * std::sqrt(square));
 }
 
 // Whether the last face of an expected row is one that min_face or min_area dropped from row i. The limit is rounded:

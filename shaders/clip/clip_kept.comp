@@ -211,7 +211,8 @@ void main() {
     if (leads) pending = 0u;
     barrier();
     const uint cell = linear_invocation();
-    if (cell < push.cell_count && !keep(cell) && seed_input[cell] < push.own_count) atomicAdd(pending, 1u);
+    const bool is_there = cell < push.cell_count && seed_input[cell] < push.own_count && seed_x(cell).y != NO_COORDINATE;
+    if (cell < push.cell_count && !keep(cell) && is_there) atomicAdd(pending, 1u);
     barrier();
     if (leads && pending > 0u) atomicAdd(chunk.kept_pending, pending);
 }
