@@ -1875,7 +1875,7 @@ bool StarWalk<Isa>::add_nearest_wall() {
 
 // Adds the wall that cuts an edge first, of those that may cut off or touch its vertex x and are no candidates, if
 // there is one. along: from the seed's side of these walls to x. near: the vertex is within the reach of the window.
-// Of many walls those are searched that may cut the edge before the first one so far.
+// Searches many walls for those that may cut the edge before the first one so far.
 template <class Isa>
 bool StarWalk<Isa>::add_wall_before(const Four& x, double length2, bool near, const Wide& along, int& added) {
     constexpr double parallel = 0x1p40;

@@ -63,7 +63,7 @@ struct VOTESS_API SurfaceCells {
 
     [[nodiscard]] std::size_t size() const noexcept { return areas.size(); }  // N
     // Returns the seeds at which the dual may differ from the surface (Edelsbrunner, Shah: Triangulating topological
-    // spaces, 1997). Their part is no disk, or shares several curves or a closed one with a neighbor, or meets
+    // spaces, 1997). Their part is not a disk, or shares several curves or a closed one with a neighbor, or meets
     // two neighbors at several places. More seeds near them mend this. Seeds without a part are not among them.
     [[nodiscard]] std::vector<std::int32_t> faults() const;
 };
@@ -125,7 +125,7 @@ struct VOTESS_API Remesh {
     double distance = 0;
     std::size_t border_edges = 0;   // of one triangle
     std::size_t crowded_edges = 0;  // of more than two
-    // Seeds at which the mesh may differ from the surface: a part is no disk, or the triangles around it do not fit
+    // Seeds at which the mesh may differ from the surface: a part is not a disk, or the triangles around it do not fit
     // together. More vertices mend this.
     std::vector<std::int32_t> faults;
 };

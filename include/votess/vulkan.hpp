@@ -169,7 +169,7 @@ struct BufferSizes {
     // are ordered by id, then shift.
     VkDeviceSize shifts = 0;
     VkDeviceSize weights = 0;  // input: WeightOptions::stride numbers apart; ends with the last weight
-    // Of a plan with `follow`: the cells of the last frame, 260 bytes a seed and 128 more in a periodic plan. Only
+    // In a plan with `follow`: the cells of the last frame, 260 bytes a seed and 128 more in a periodic plan. Only
     // frames may write it; frames of one plan may share it, one after the other.
     VkDeviceSize kept = 0;
 };
@@ -218,7 +218,7 @@ struct RecordOptions {
     std::optional<Box> box{};            // of this frame; default: that of the plan. Not with walls
     std::optional<TriclinicBox> cell{};  // of this frame, if the plan has one
     Timestamps timestamps{};             // none when pool is null
-    // Of a plan with `follow`: make all cells. Required for the first frame with a new buffer `kept`. Also required
+    // In a plan with `follow`: make all cells. Required for the first frame with a new buffer `kept`. Also required
     // when something else wrote to it, or the commands of the frame before did not run to the end.
     bool fresh = false;
 };

@@ -251,7 +251,7 @@ struct ChunkState {
     uint subgroups_x, subgroups_y, subgroups_z;
     uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
     uint row_base;    // first entry of the chunk's rows in the rows out
-    // Of kept cells, which match up to the last round:
+    // For kept cells, which match up to the last round:
     uint kept_pending;    // after the test their number; then not 0: some did not match in this round
     uint kept_over;       // cells over the place of a seed
     uint kept_over_cell;  // one of them

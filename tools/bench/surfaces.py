@@ -28,21 +28,21 @@ def load(path):
 
 class Geogram:
     def __init__(self, path):
-        self.library = ctypes.CDLL(path)
+        self.peer = ctypes.CDLL(path)
         for name in ("geogram_areas", "geogram_remesh"):
-            getattr(self.library, name).restype = ctypes.c_double
+            getattr(self.peer, name).restype = ctypes.c_double
 
     def areas(self, points, vertices, triangles):
         areas = np.zeros(len(points))
-        seconds = self.library.geogram_areas(points.ctypes, len(points), vertices.ctypes, len(vertices), triangles.ctypes,
+        seconds = self.peer.geogram_areas(points.ctypes, len(points), vertices.ctypes, len(vertices), triangles.ctypes,
                                              len(triangles), areas.ctypes)
         return areas, seconds
 
     def remesh(self, vertices, triangles, count):
         v, t = ctypes.c_int(), ctypes.c_int()
-        seconds = self.library.geogram_remesh(count, vertices.ctypes, len(vertices), triangles.ctypes, len(triangles), ctypes.byref(v), ctypes.byref(t))
+        seconds = self.peer.geogram_remesh(count, vertices.ctypes, len(vertices), triangles.ctypes, len(triangles), ctypes.byref(v), ctypes.byref(t))
         made, corners = np.empty((v.value, 3)), np.empty((t.value, 3), np.int32)
-        self.library.geogram_take(made.ctypes, corners.ctypes)
+        self.peer.geogram_take(made.ctypes, corners.ctypes)
         return made, corners, seconds
 
 

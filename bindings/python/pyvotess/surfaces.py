@@ -62,7 +62,7 @@ class SurfaceCells:
     #: on both sides of a thin plate, it has both sides too.
     piece_dual: Int32Array
     piece_dual_counts: Int32Array  #: (E,)
-    #: seeds at which the dual may differ from the surface. Their part is no disk, shares several curves or a closed one
+    #: seeds at which the dual may differ from the surface. Their part is not a disk, shares several curves or a closed one
     #: with a neighbor, or meets two neighbors at several places. More seeds near them mend this.
     faults: Int32Array
 
@@ -107,7 +107,7 @@ class Remesh:
     points: Float64Array  #: (M, 3) seeds
     cells: SurfaceCells  #: of ``points`` on the given surface; vertex k is their connected part k
     energies: Float64Array  #: (S + 1,) before the first step of the relaxation, and after each
-    #: seeds at which the mesh may differ from the surface: a part is no disk, or the triangles around it do not fit together.
+    #: seeds at which the mesh may differ from the surface: a part is not a disk, or the triangles around it do not fit.
     #: More vertices mend this.
     faults: Int32Array
     min_angle: float  #: degrees, of all triangles
