@@ -30,9 +30,9 @@ public:
             .has_shifts = ranks.any(!cells.shifts.empty()),
             .has_duplicates = ranks.any(std::ranges::any_of(duplicate_of_, is_seed)),
             .wide = share.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())};
-        rows_ = {{cells.status, duplicate_of_, indptr_, cells.indices, cells.shifts, cells.face_areas,
-                  cells.face_normals, cells.volumes, cells.centroids, cells.surface_areas, cells.security_radii,
-                  cells.face_counts, cells.edge_counts, cells.vertex_counts}};
+        rows_ = votess::rows_of(cells);
+        rows_.duplicate_of = duplicate_of_;
+        rows_.indptr = indptr_;
         for (const ResultArray& array :
              result_arrays(rows_, std::nullopt, whole, share.input.ids, data.wanted, data.carried)) {
             if (array.of_entries)

@@ -46,45 +46,15 @@ ResultArray as_texts(std::string_view name, const std::vector<std::string>& word
 
 using Cells = votess::Tessellation;
 using Rows = votess::StreamRows;
+using votess::Per;
 using votess::Want;
 
-// An array of rows. of_rows: null where pieces have none; their ids of seeds have 64 bits.
-template <class OfCells, class OfRows>
-struct RowArray {
-    std::string_view name;
-    OfCells of_cells;
-    OfRows of_rows;
-    std::size_t columns = 1;          // 3: a vector, which has two components in the plane
-    bool Want::*word = nullptr;       // the group that wants it; null: every file has it
-    bool of_entries = false;          // one row for each neighbor
-    bool WholeRows::*held = nullptr;  // whether the rows have it; null: yes
-};
-template <class OfCells, class OfRows, class... Others>
-RowArray(std::string_view, OfCells, OfRows, Others...) -> RowArray<OfCells, OfRows>;
-
-// In the order of the files.
-constexpr std::tuple row_arrays{
-    RowArray{"indptr", &Cells::indptr, &Rows::indptr, 1, &Want::neighbors},
-    RowArray{"indices", &Cells::indices, &Rows::indices, 1, &Want::neighbors, true},
-    RowArray{"shifts", &Cells::shifts, &Rows::shifts, 3, &Want::neighbors, true, &WholeRows::has_shifts},
-    RowArray{"face_areas", &Cells::face_areas, &Rows::face_areas, 1, &Want::areas, true},
-    RowArray{"face_normals", &Cells::face_normals, &Rows::face_normals, 3, &Want::normals, true},
-    RowArray{"volumes", &Cells::volumes, &Rows::volumes, 1, &Want::volumes},
-    RowArray{"centroids", &Cells::centroids, &Rows::centroids, 3, &Want::centroids},
-    RowArray{"surface_areas", &Cells::surface_areas, &Rows::surface_areas, 1, &Want::surfaces},
-    RowArray{"mesh_areas", &Cells::mesh_areas, nullptr, 1, &Want::surfaces, false, &WholeRows::in_mesh},
-    RowArray{"security_radii", &Cells::security_radii, &Rows::security_radii, 1, &Want::radii},
-    RowArray{"face_counts", &Cells::face_counts, &Rows::face_counts, 1, &Want::counts},
-    RowArray{"edge_counts", &Cells::edge_counts, &Rows::edge_counts, 1, &Want::counts},
-    RowArray{"vertex_counts", &Cells::vertex_counts, &Rows::vertex_counts, 1, &Want::counts},
-    RowArray{"vertices", &Cells::vertices, nullptr, 3, &Want::vertices},
-    RowArray{"cell_vertex_indptr", &Cells::cell_vertex_indptr, nullptr, 1, &Want::vertices},
-    RowArray{"cell_vertex_indices", &Cells::cell_vertex_indices, nullptr, 1, &Want::vertices},
-    RowArray{"face_offsets", &Cells::face_offsets, nullptr, 1, &Want::faces},
-    RowArray{"face_vertices", &Cells::face_vertices, nullptr, 1, &Want::faces},
-    RowArray{"status", &Cells::status, &Rows::status},
-    RowArray{"duplicate_of", &Cells::duplicate_of, &Rows::duplicate_of, 1, nullptr, false, &WholeRows::has_duplicates},
-};
+// ids and weights are columns of the input.
+void for_file_arrays(const auto& visit) {
+    votess::for_all_arrays([&](const auto& array) {
+        if (array.name != "ids" && array.name != "weights") visit(array);
+    });
+}
 
 // Returns an array with numbers of another type.
 template <class Number>
@@ -102,36 +72,37 @@ std::vector<ResultArray> arrays_of(const From& from, const std::optional<RowRang
                                    const std::vector<InputColumn>& carried) {
     std::vector<ResultArray> arrays;
     if (whole.has_ids) arrays.push_back(as_array("ids", ids));
-    const auto add = [&](const auto& array, auto values) {
-        const std::size_t columns = array.columns == 3 ? whole.size : array.columns;
+    const auto add = [&](const auto& array) {
+        const auto& of_array = array.of(from);
+        auto values = std::span(of_array.data(), of_array.size());
+        const std::size_t columns = array.components == 3 ? whole.size : array.components;
+        const bool of_entries = array.per == Per::entry;
         if (range && !values.empty()) {
             std::size_t begin = range->begin, end = begin + range->count;
             if constexpr (std::is_same_v<From, Rows>) {
                 const auto entry = [&](std::size_t row) {
                     return static_cast<std::size_t>(from.indptr[row] - from.indptr[0]);
                 };
-                if (array.of_entries) begin = entry(begin), end = entry(end);
+                if (of_entries) begin = entry(begin), end = entry(end);
             }
             if (array.name == "indptr") ++end;
             values = values.subspan(columns * begin, columns * (end - begin));
         }
-        using Narrow = typename decltype((std::declval<Cells>().*array.of_cells)())::value_type;
-        using Given = typename decltype(values)::value_type;
+        using Narrow = typename std::remove_cvref_t<decltype(array.of(std::declval<const Cells&>()))>::value_type;
+        using Given = std::remove_const_t<typename decltype(values)::element_type>;
         if (std::is_same_v<Narrow, Given> || whole.wide)
-            arrays.push_back(as_array(array.name, values, columns));
+            arrays.push_back(as_array(array.name, std::span<const Given>(values), columns));
         else
             arrays.push_back(converted<Narrow>(array.name, values));
-        arrays.back().of_entries = array.of_entries;
+        arrays.back().of_entries = of_entries;
     };
-    const auto visit = [&](const auto& array) {
+    for_file_arrays([&](const auto& array) {
         if (array.word != nullptr && !(wanted.*array.word)) return;
-        if (array.held != nullptr && !(whole.*array.held)) return;
-        if constexpr (std::is_same_v<From, Cells>)
-            add(array, (from.*array.of_cells)());
-        else if constexpr (!std::is_null_pointer_v<decltype(array.of_rows)>)
-            add(array, from.*array.of_rows);
-    };
-    std::apply([&](const auto&... array) { (visit(array), ...); }, row_arrays);
+        if (array.name == "shifts" && !whole.has_shifts) return;
+        if (array.name == "duplicate_of" && !whole.has_duplicates) return;
+        if (array.name == "mesh_areas" && !whole.in_mesh) return;
+        if constexpr (requires { array.of(from); }) add(array);
+    });
     for (const InputColumn& column : carried)
         arrays.push_back(column.of_words ? as_texts(column.name, column.words)
                                          : as_array(column.name, std::span(column.values), column.width));
@@ -144,11 +115,11 @@ bool is_result_array(std::string_view name) {
     const auto of_alpha = [&](const AlphaNames& names) {
         return name == names.seeds || name == names.shifts || name == names.values || name == names.gabriel;
     };
-    const auto of_rows = [&](const auto&... array) { return ((name == array.name) || ...); };
+    bool found = false;
+    for_file_arrays([&](const auto& array) { found = found || array.name == name; });
     constexpr std::array<std::string_view, 9> others{"ids",   "box",     "periodic",    "cell",         "origin",
                                                      "walls", "version", "domain_from", "periodic_from"};
-    return std::ranges::any_of(alpha_names, of_alpha) || std::apply(of_rows, row_arrays) ||
-           std::ranges::find(others, name) != others.end();
+    return found || std::ranges::any_of(alpha_names, of_alpha) || std::ranges::find(others, name) != others.end();
 }
 
 std::vector<ResultArray> result_arrays(const votess::StreamRows& piece, const std::optional<RowRange>& range,

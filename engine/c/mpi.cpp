@@ -83,7 +83,7 @@ votess_status votess_mpi_array(const votess_mpi_result* result, const char* name
                                        named("send", r.send),
                                        named("receive_indptr", r.receive_indptr),
                                        named("receive", r.receive)};
-        votess::detail::for_row_arrays([&](const auto& row, std::size_t) {
+        votess::for_row_arrays([&](const auto& row, std::size_t) {
             arrays.push_back(named(row.name.data(), row.of(r.cells), components_of(row, r.options.planar)));
         });
         return arrays;

@@ -46,7 +46,7 @@ votess_status votess_result_array(const votess_result* result, const char* name,
     return expose(result, "result", name, array, [](const votess_result& of) {
         const votess::Tessellation& t = of.tessellation;
         std::vector<NamedArray> arrays;
-        votess::detail::for_shown_arrays([&](const auto& row) {
+        votess::for_all_arrays([&](const auto& row) {
             arrays.push_back(
                 named(row.name.data(), row.of(votess::detail::result_of(t)), components_of(row, t.planar())));
         });

@@ -2,11 +2,9 @@
 #include <votess/stream.h>
 
 #include <algorithm>
-#include <type_traits>
 #include <votess/stream.hpp>
 
 #include "c/handles.hpp"
-#include "result/arrays.hpp"
 
 using namespace votess::c;
 
@@ -45,9 +43,15 @@ private:
     std::size_t dimensions_;
 };
 
+// What votess_stream_rows::cells points to.
+struct Piece {
+    const votess::StreamRows& rows;
+    bool planar;
+};
+
 class Sink : public votess::StreamSink {
 public:
-    explicit Sink(const votess_stream& stream) : stream_(stream) {}
+    Sink(const votess_stream& stream, bool planar) : stream_(stream), planar_(planar) {}
     void begin(const votess::StreamHead& head) override {
         if (stream_.begin == nullptr) return;
         votess_stream_head c_head{head.seeds, head.entries, head.duplicates ? 1 : 0, head.periodic ? 1 : 0, {}, {}};
@@ -58,24 +62,29 @@ public:
         (void)continues("begin", [&] { return stream_.begin(&c_head, stream_.user); });
     }
     void rows(const votess::StreamRows& rows) override {
-        const auto out = [](const auto& array) { return array.empty() ? nullptr : array.data(); };
-        votess_stream_rows c_rows{};
-        c_rows.first = rows.first;
-        c_rows.count = rows.status.size();
-        c_rows.entries = rows.indices.size();
-        c_rows.indptr = out(rows.indptr);
-        votess::detail::for_row_arrays([&](const auto& array, std::size_t) {
-            auto& to = array.of(c_rows);
-            to = reinterpret_cast<std::remove_reference_t<decltype(to)>>(out(array.of(rows)));
-        });
+        const Piece piece{rows, planar_};
+        const votess_stream_rows c_rows{rows.first, rows.status.size(), rows.indices.size(), &piece};
         (void)continues("rows", [&] { return stream_.rows(&c_rows, stream_.user); });
     }
 
 private:
     const votess_stream& stream_;
+    bool planar_;
 };
 
 }  // namespace
+
+votess_status votess_stream_array(const votess_stream_rows* rows, const char* name, votess_array* array) {
+    return expose(rows, "rows", name, array, [](const votess_stream_rows& of) {
+        require(of.cells, "rows.cells");
+        const Piece& piece = *static_cast<const Piece*>(of.cells);
+        std::vector<NamedArray> arrays{named("indptr", piece.rows.indptr)};
+        votess::for_row_arrays([&](const auto& row, std::size_t) {
+            arrays.push_back(named(row.name.data(), row.of(piece.rows), components_of(row, piece.planar)));
+        });
+        return arrays;
+    });
+}
 
 votess_status votess_tessellate_stream(const votess_stream* stream, const votess_options* options,
                                        votess_stream_counts* counts, votess_stats* stats) {
@@ -98,7 +107,7 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
                 "stream.verify needs counts for its report: give counts of struct_size sizeof(votess_stream_counts)");
         const votess::Options converted = convert_options(options, 0);
         Source source(given, dimensions_of(converted));
-        Sink sink(given);
+        Sink sink(given, converted.planar);
         const votess::StreamResult result =
             votess::tessellate_stream(source, sink, converted,
                                       {.memory = given.memory,

@@ -157,7 +157,7 @@ void CpuClipper::set_empty(ResultBuilder& out) {
     std::size_t empty = 0;
     const auto set = [&](std::size_t i, CellStatus status) {
         if (job_.only) i = static_cast<std::size_t>(job_.only->row_of(static_cast<std::int32_t>(i)));
-        if (i >= out.status().size()) return;  // after clip_first(), or not in the subset
+        if (i >= out.arrays().status.size()) return;  // after clip_first(), or not in the subset
         out.set_empty(i, status);
         ++empty;
     };
@@ -249,7 +249,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     cut_into_small_blocks(kept.size());
     clip_order(kept, true, out, share);
     for (const std::int32_t cell : kept) {
-        CellStatus& status = out.status()[static_cast<std::size_t>(cell)];
+        CellStatus& status = out.arrays().status[static_cast<std::size_t>(cell)];
         if (status != CellStatus::empty) status = CellStatus::certified;
     }
 }

@@ -26,7 +26,7 @@ constexpr std::array words{Name{"neighbors", &Want::neighbors}, Name{"volumes", 
 // Returns the arrays whose name is not that of their group. Weights are input, which nobody wants.
 std::vector<Name> named_arrays() {
     std::vector<Name> arrays{{"cell_vertices", &Want::vertices}};
-    detail::for_shown_arrays([&](const auto& array) {
+    for_all_arrays([&](const auto& array) {
         if (array.name != "weights" && std::ranges::find(words, array.name, &Name::name) == words.end())
             arrays.push_back({array.name, array.word});
     });

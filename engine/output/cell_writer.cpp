@@ -76,12 +76,10 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span
 void CellWriter::prefetch(std::size_t seed) const {
     if (only_ != nullptr) return;
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
-    if (want_.volumes) __builtin_prefetch(&out_->volumes()[input], 1);
-    if (want_.centroids) __builtin_prefetch(&out_->centroids()[3 * input], 1);
-    if (want_.radii) __builtin_prefetch(&out_->security_radii()[input], 1);
-    if (!want_.counts) return;
-    for (const auto counts : {out_->face_counts(), out_->edge_counts(), out_->vertex_counts()})
-        __builtin_prefetch(&counts[input], 1);
+    for_row_arrays([&](const auto& array, std::size_t) {
+        if (array.per == Per::cell && array.word != nullptr && want_.*array.word)
+            __builtin_prefetch(&array.of(out_->arrays())[array.components * input], 1);
+    });
 }
 
 void CellWriter::skip_row() {
@@ -239,22 +237,23 @@ void CellWriter::write_none(std::size_t output, CellStatus status) {
 void CellWriter::write_measures() {
     const CellMeasures& m = measures_;
     tally_.add(face_areas_.subspan(wall_faces_));
-    if (want_.volumes) out_->volumes()[output_] = m.volume * unscale_ * unscale_ * unscale_;
+    if (want_.volumes) out_->arrays().volumes[output_] = m.volume * unscale_ * unscale_ * unscale_;
     if (want_.centroids) {
         const exact::Point p = place();
-        for (std::size_t k = 0; k < 3; ++k) out_->centroids()[3 * output_ + k] = (m.centroid[k] + p[k]) * unscale_;
+        for (std::size_t k = 0; k < 3; ++k)
+            out_->arrays().centroids[3 * output_ + k] = (m.centroid[k] + p[k]) * unscale_;
     }
     if (want_.surfaces)
-        out_->surface_areas()[output_] =
+        out_->arrays().surface_areas[output_] =
             std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0) * unscale_ * unscale_;
-    if (want_.radii) out_->security_radii()[output_] = 2 * std::sqrt(m.farthest_squared) * unscale_;
+    if (want_.radii) out_->arrays().security_radii[output_] = 2 * std::sqrt(m.farthest_squared) * unscale_;
 }
 
 void CellWriter::write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
     if (!want_.counts) return;
-    out_->face_counts()[output_] = static_cast<std::uint32_t>(faces);
-    out_->edge_counts()[output_] = edges;
-    out_->vertex_counts()[output_] = vertices;
+    out_->arrays().face_counts[output_] = static_cast<std::uint32_t>(faces);
+    out_->arrays().edge_counts[output_] = edges;
+    out_->arrays().vertex_counts[output_] = vertices;
 }
 
 std::int32_t CellWriter::input_of(std::int32_t id) const {

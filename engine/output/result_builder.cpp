@@ -110,14 +110,11 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     min_area_ = job.min_area;
     fill(result_.status, count, CellStatus::certified, pool);
     if (want.neighbors) fill(result_.indptr, count + 1, std::int64_t{0}, pool);
-    if (want.volumes) result_.volumes.resize_uninitialized(count);
-    if (want.centroids) result_.centroids.resize_uninitialized(3 * count);
-    if (want.surfaces) result_.surface_areas.resize_uninitialized(count);
-    if (want.radii) result_.security_radii.resize_uninitialized(count);
+    for_row_arrays([&](const auto& array, std::size_t) {
+        if (array.per == Per::cell && array.word != nullptr && want.*array.word)
+            array.of(result_).resize_uninitialized(array.components * count);
+    });
     mesh_.begin(job);
-    if (want.counts)
-        for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
-            counts->resize_uninitialized(count);
 }
 
 void ResultBuilder::touch(double share, double row, ThreadPool& pool) {
@@ -288,12 +285,14 @@ void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const st
 }
 
 void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
-    auto& r = result_;
-    r.status[i] = status;
-    for (auto* sizes : {&r.volumes, &r.surface_areas, &r.security_radii})
-        if (!sizes->empty()) (*sizes)[i] = 0;
-    if (!r.centroids.empty()) std::fill_n(r.centroids.data() + 3 * i, 3, std::numeric_limits<double>::quiet_NaN());
-    if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
+    for_row_arrays([&](const auto& array, std::size_t) {
+        auto& values = array.of(result_);
+        if (array.per != Per::cell || array.word == nullptr || values.empty()) return;
+        using Value = std::remove_reference_t<decltype(values[0])>;
+        const Value none = array.components == 3 ? std::numeric_limits<Value>::quiet_NaN() : Value{};
+        std::fill_n(values.data() + array.components * i, array.components, none);
+    });
+    result_.status[i] = status;
 }
 
 void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool, bool have_cells) {

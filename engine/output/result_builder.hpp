@@ -47,16 +47,9 @@ public:
     // Shares ascend. row: expected entries of a row, 0 if unknown; then the arrays of rows wait for settle().
     void touch(double share, double row, ThreadPool& pool);
 
-    // Arrays of N values, centroids 3N; empty if not requested. Threads may write different cells at once. finish()
-    // throws if a cell still has a hand-over status.
-    [[nodiscard]] std::span<CellStatus> status() { return result_.status; }
-    [[nodiscard]] std::span<double> volumes() { return result_.volumes; }
-    [[nodiscard]] std::span<double> centroids() { return result_.centroids; }
-    [[nodiscard]] std::span<double> surface_areas() { return result_.surface_areas; }
-    [[nodiscard]] std::span<double> security_radii() { return result_.security_radii; }
-    [[nodiscard]] std::span<std::uint32_t> face_counts() { return result_.face_counts; }
-    [[nodiscard]] std::span<std::uint32_t> edge_counts() { return result_.edge_counts; }
-    [[nodiscard]] std::span<std::uint32_t> vertex_counts() { return result_.vertex_counts; }
+    // Engines write those by cell, except duplicate_of. Threads may write different cells at once. finish() throws if a
+    // cell still has a hand-over status.
+    [[nodiscard]] detail::Result& arrays() { return result_; }
 
     // Adds rows, from any thread. ids: the rows of `cells` (input indices) one after the other, each ascending (then by
     // shift, in a periodic domain); lengths[k] of them belong to cells[k]. values: the requested ones. A cell of length

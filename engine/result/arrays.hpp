@@ -1,5 +1,5 @@
-// The arrays of results, as one table. Code that copies, filters, joins, names or exposes arrays iterates over it, so
-// that a new array needs a row here, its maker and its test.
+// The table of arrays of votess/row_arrays.hpp for Result. Code that copies, filters, joins, names or exposes arrays
+// iterates over it, so that a new array needs a row there, its maker and its test.
 #pragma once
 
 #include <cstddef>
@@ -14,69 +14,14 @@
 
 namespace votess::detail {
 
-// What an array has `components` elements for.
-enum class Per : std::uint8_t {
-    cell,    // N, a row each
-    entry,   // indptr[N], a face of a row each
-    vertex,  // V, of the mesh
-    other,   // offsets, and the elements between them
-};
-
-template <class Of>
-struct Array {
-    std::string_view name;
-    Of of;  // of(rows): the array
-    Per per = Per::other;
-    std::size_t components = 1;  // 3: a vector, which has two components in the plane
-    bool Want::*word = nullptr;  // the group that wants it; null: part of every result
-};
-template <class Of>
-Array(std::string_view, Of, Per, std::size_t, bool Want::*) -> Array<Of>;
-template <class Of>
-Array(std::string_view, Of, Per, std::size_t) -> Array<Of>;
-
-// Returns the components of an array of space or of the plane.
-template <class Of>
-[[nodiscard]] constexpr std::size_t components_of(const Array<Of>& array, bool planar) {
-    return planar && array.components == 3 ? 2 : array.components;
-}
-
 #define VOTESS_ARRAY(name, ...)          \
-    Array {                              \
+    ArrayInfo {                          \
 #name, [](auto& rows) -> auto& { \
             return rows.name;            \
         }                                \
         , __VA_ARGS__                    \
     }
 
-// Those of Result, BlockCells and StreamRows, except indptr.
-inline constexpr std::tuple row_arrays{
-    VOTESS_ARRAY(status, Per::cell, 1),
-    VOTESS_ARRAY(duplicate_of, Per::cell, 1),
-    VOTESS_ARRAY(volumes, Per::cell, 1, &Want::volumes),
-    VOTESS_ARRAY(centroids, Per::cell, 3, &Want::centroids),
-    VOTESS_ARRAY(surface_areas, Per::cell, 1, &Want::surfaces),
-    VOTESS_ARRAY(security_radii, Per::cell, 1, &Want::radii),
-    VOTESS_ARRAY(face_counts, Per::cell, 1, &Want::counts),
-    VOTESS_ARRAY(edge_counts, Per::cell, 1, &Want::counts),
-    VOTESS_ARRAY(vertex_counts, Per::cell, 1, &Want::counts),
-    VOTESS_ARRAY(indices, Per::entry, 1, &Want::neighbors),
-    VOTESS_ARRAY(shifts, Per::entry, 3, &Want::neighbors),
-    VOTESS_ARRAY(face_areas, Per::entry, 1, &Want::areas),
-    VOTESS_ARRAY(face_normals, Per::entry, 3, &Want::normals),
-};
-// Those of Result alone.
-inline constexpr std::tuple other_arrays{
-    VOTESS_ARRAY(indptr, Per::other, 1, &Want::neighbors),
-    VOTESS_ARRAY(mesh_areas, Per::cell, 1, &Want::surfaces),
-    VOTESS_ARRAY(vertices, Per::vertex, 3, &Want::vertices),
-    VOTESS_ARRAY(cell_vertex_indptr, Per::other, 1, &Want::vertices),
-    VOTESS_ARRAY(cell_vertex_indices, Per::other, 1, &Want::vertices),
-    VOTESS_ARRAY(face_offsets, Per::other, 1, &Want::faces),
-    VOTESS_ARRAY(face_vertices, Per::other, 1, &Want::faces),
-    VOTESS_ARRAY(ids, Per::cell, 1),
-    VOTESS_ARRAY(weights, Per::other, 1),
-};
 // Those that a Tessellation does not show.
 inline constexpr std::tuple inner_arrays{
     VOTESS_ARRAY(vertex_image_of, Per::vertex, 1, &Want::vertices),
@@ -88,21 +33,10 @@ inline constexpr std::tuple inner_arrays{
 
 inline constexpr std::size_t row_array_count = std::tuple_size_v<decltype(row_arrays)>;
 
-// Calls visit(array, number) for each of row_arrays.
-template <class Visit>
-constexpr void for_row_arrays(Visit&& visit) {
-    std::size_t number = 0;
-    std::apply([&](const auto&... array) { (visit(array, number++), ...); }, row_arrays);
-}
-// Calls visit(array) for all arrays of a Tessellation.
-template <class Visit>
-constexpr void for_shown_arrays(Visit&& visit) {
-    std::apply([&](const auto&... array) { (visit(array), ...); }, std::tuple_cat(row_arrays, other_arrays));
-}
 // Calls visit(array) for all arrays of Result.
 template <class Visit>
 constexpr void for_arrays(Visit&& visit) {
-    for_shown_arrays(visit);
+    for_all_arrays(visit);
     std::apply([&](const auto&... array) { (visit(array), ...); }, inner_arrays);
 }
 

@@ -1,5 +1,5 @@
-// What is behind a Tessellation, in input order; see votess.hpp for shapes and units. result/arrays.hpp has the table
-// of the arrays.
+// What is behind a Tessellation, in input order; see votess.hpp for shapes and units, and votess/row_arrays.hpp for the
+// table of the arrays.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
-#include "votess/votess.hpp"
+#include "votess/row_arrays.hpp"
 
 namespace votess::solid {
 struct MeshCells;
@@ -22,7 +22,16 @@ struct AllSeeds {
     std::vector<double> weights;     // in a power diagram
 };
 
-struct Result {
+struct Result : RowArrays<Buffer, std::int32_t> {
+    // Large arrays that are written at once: faults of small pages would take as long as copying rows into them.
+    Result() {
+        const auto use_huge_pages = [](auto&... arrays) {
+            ((arrays =
+                  std::remove_reference_t<decltype(arrays)>(std::remove_reference_t<decltype(arrays)>::Pages::huge)),
+             ...);
+        };
+        use_huge_pages(indptr, indices, shifts, centroids, volumes);
+    }
     Box box;
     std::array<bool, 3> periodic{};
     std::optional<TriclinicBox> cell;
@@ -41,20 +50,12 @@ struct Result {
     Buffer<std::int32_t> dropped_vertices;
     // Seeds of positive turn, if the diagram of all of space has only one vertex: its polygons leave the turn open.
     std::optional<std::array<std::int32_t, 4>> lone_tetrahedron;
-    // Large arrays that are written at once: faults of small pages would take as long as copying rows into them.
-    Buffer<std::int64_t> indptr{Buffer<std::int64_t>::Pages::huge};
-    Buffer<std::int32_t> indices{Buffer<std::int32_t>::Pages::huge};
-    Buffer<std::int8_t> shifts{Buffer<std::int8_t>::Pages::huge};
-    Buffer<double> centroids{Buffer<double>::Pages::huge}, volumes{Buffer<double>::Pages::huge};
-    Buffer<double> face_areas, face_normals, surface_areas, mesh_areas, security_radii, vertices;
+    Buffer<double> mesh_areas, vertices;
     Buffer<std::int64_t> face_offsets, cell_vertex_indptr;
     Buffer<std::int32_t> face_vertices, cell_vertex_indices;
     // In periodic domains, of each vertex: the first one that it is an image of, and the box vectors from there.
     Buffer<std::int32_t> vertex_image_of;
     Buffer<std::int8_t> vertex_shifts;
-    Buffer<std::uint32_t> face_counts, edge_counts, vertex_counts;
-    Buffer<CellStatus> status;
-    Buffer<std::int32_t> duplicate_of;
     Buffer<std::int32_t> ids;  // of the rows, in a subset
     Buffer<double> weights;    // in a power diagram
     Stats stats;

@@ -431,8 +431,7 @@ private:
         const std::size_t images = cells_->images(kept_).first;
         detail::for_arrays([&](const auto& array) {
             auto& values = array.of(result_);
-            if (array.per == detail::Per::cell && !values.empty())
-                values.resize_uninitialized(array.components * kept_);
+            if (array.per == Per::cell && !values.empty()) values.resize_uninitialized(array.components * kept_);
         });
         if (!result_.weights.empty()) result_.weights.resize_uninitialized(kept_);
         result_.stats.points = kept_;

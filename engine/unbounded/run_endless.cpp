@@ -30,14 +30,14 @@ void take_measures(Result& result, const Want& want, const Result& some, std::sp
         if (!wanted) return;
         if (to.size() != each * count) {
             to.resize_uninitialized(each * count);
-            std::ranges::fill(to, 0);
+            std::ranges::fill(to, T{});
         }
         for (std::size_t k = 0; k < rows.size(); ++k) std::copy_n(&from[each * row_of(k)], each, &to[each * rows[k]]);
     };
-    take(want.volumes, result.volumes, some.volumes, 1);
-    take(want.centroids, result.centroids, some.centroids, 3);
-    take(want.surfaces, result.surface_areas, some.surface_areas, 1);
-    take(want.radii, result.security_radii, some.security_radii, 1);
+    for_row_arrays([&](const auto& array, std::size_t) {
+        if (array.per != Per::cell || array.word == nullptr || array.word == &Want::counts) return;
+        take(want.*array.word, array.of(result), array.of(some), array.components);
+    });
     if (!want.areas) return;
     if (result.face_areas.size() != result.indices.size()) {
         result.face_areas.resize_uninitialized(result.indices.size());

@@ -486,7 +486,7 @@ void Certificate::check_other(Worker& w, std::size_t i) {
     bool zero = true;
     detail::for_arrays([&](const auto& array) {
         const auto& values = array.of(result_);
-        if (array.per != detail::Per::cell || array.word == nullptr || values.empty()) return;
+        if (array.per != Per::cell || array.word == nullptr || values.empty()) return;
         for (std::size_t k = array.components * i; k < array.components * (i + 1); ++k)
             zero = zero && (array.components == 3 ? std::isnan(static_cast<double>(values[k]))
                                                   : values[k] == std::remove_cvref_t<decltype(values[k])>{});

@@ -36,14 +36,6 @@ struct RowNames {
     std::int32_t own_rank = 0;
 };
 
-// Views the cells of a block as rows from seed 0 on. The arrays stay with the cells.
-inline StreamRows rows_of(const BlockCells& cells) {
-    StreamRows rows;
-    rows.indptr = cells.indptr;
-    detail::for_row_arrays([&](const auto& array, std::size_t) { array.of(rows) = array.of(cells); });
-    return rows;
-}
-
 // Gives access to the rows and seeds of a run. By default there is one rank; calls between ranks are collective.
 class RunBlocks {
 public:

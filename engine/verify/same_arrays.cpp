@@ -14,7 +14,6 @@
 namespace votess {
 namespace {
 
-using detail::Per;
 using detail::Result;
 
 // Whether offsets run from 0 up to the end of what they count. None: the array was not wanted.

@@ -76,10 +76,10 @@ public:
                 ids.assign(r_.indices.data() + first, r_.indices.data() + first + entries);
                 rows.indices = ids;
             }
-            detail::for_row_arrays([&](const auto& array, std::size_t) {
+            for_row_arrays([&](const auto& array, std::size_t) {
                 const auto& all = array.of(r_);
                 if constexpr (std::is_assignable_v<decltype(array.of(rows)), decltype(std::span(all.data(), 1))>) {
-                    const bool of_cell = array.per == detail::Per::cell;
+                    const bool of_cell = array.per == Per::cell;
                     if (!all.empty())
                         array.of(rows) = std::span(all.data(), all.size())
                                              .subspan(array.components * (of_cell ? begin : first),

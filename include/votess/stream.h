@@ -26,26 +26,20 @@ typedef struct votess_stream_head {
     double box_lower[3], box_upper[3];  // the box that was given or assumed; 0 where a cell was given
 } votess_stream_head;
 
-// The cells of `count` seeds from `first` on. Arrays that were not requested are NULL. Valid until the callback
-// returns.
+// The cells of `count` seeds from `first` on, until the callback returns.
 typedef struct votess_stream_rows {
     uint64_t first;
     size_t count, entries;
-    const uint8_t* status;         // count
-    const int64_t* duplicate_of;   // count; NULL in a run without duplicates
-    const int64_t* indptr;         // count + 1 offsets, counted from the first seed of the run
-    const int64_t* indices;        // entries
-    const int8_t* shifts;          // 3 * entries, in a periodic domain
-    const double* face_areas;      // entries
-    const double* face_normals;    // 3 * entries
-    const double* volumes;         // count
-    const double* centroids;       // 3 * count
-    const double* surface_areas;   // count
-    const double* security_radii;  // count
-    const uint32_t* face_counts;   // count, as the two below
-    const uint32_t* edge_counts;
-    const uint32_t* vertex_counts;
+    const void* cells;  // for votess_stream_array
 } votess_stream_rows;
+
+// Sets *array to an array of rows, see votess_array; one that was not requested is empty. Names and types are those of
+// votess_result_array, except that ids have 64 bits:
+//   int64_t   indptr (count + 1), counted from the first seed of the run; indices (entries)
+//   int64_t   duplicate_of (count); empty in a run without duplicates
+// and shifts, face_areas, face_normals, volumes, centroids, surface_areas, security_radii, face_counts, edge_counts,
+// vertex_counts, status.
+VOTESS_API votess_status votess_stream_array(const votess_stream_rows* rows, const char* name, votess_array* array);
 
 // Values that callbacks return. They run in the thread of the call; VOTESS_STREAM_STOP ends it with
 // VOTESS_ERROR_CANCELLED.

@@ -49,6 +49,13 @@ struct StreamHead {
 struct StreamRows : RowArrays<detail::ConstSpan> {
     std::uint64_t first = 0;
 };
+// Views the cells of a rank as rows from seed 0 on. The arrays stay with the cells.
+[[nodiscard]] inline StreamRows rows_of(const RowArrays<detail::Vector>& cells) {
+    StreamRows rows;
+    rows.indptr = cells.indptr;
+    for_row_arrays([&](const auto& array, std::size_t) { array.of(rows) = array.of(cells); });
+    return rows;
+}
 
 class VOTESS_API StreamSink {
 public:

@@ -102,7 +102,7 @@ struct WeightOptions {
 
 struct PlanOptions {
     std::uint32_t most_seeds = 0;  // maximum of one frame
-    Box box;                       // seeds outside, or not finite, get status `outside` and no cell
+    Box box{};                     // seeds outside, or not finite, get status `outside` and no cell
     // Axes along which the box repeats. Seeds up to one side length outside are wrapped into it, without rounding. The
     // device makes images of the seeds up to `margin` around the box. Cells that reach farther stay unresolved; all
     // cells do when most_images is too small (see Header::images).

@@ -41,7 +41,7 @@ Tessellation clip_parts(ExactClipper& clipper, const votess::Points& points, con
     ResultBuilder builder;
     clipper.begin(job);
     builder.begin(job, clipper.pool());
-    std::ranges::fill(builder.status(), CellStatus::needs_exact);
+    std::ranges::fill(builder.arrays().status, CellStatus::needs_exact);
     for (const Cells& part : parts) clipper.clip(part, builder, whole);
     const auto duplicate_of = clipper.duplicate_of();
     builder.set_duplicates(duplicate_of, clipper.pool());
@@ -242,7 +242,7 @@ TEST_SUITE("stages") {
                     const auto i = static_cast<std::size_t>(cell);
                     const auto row = full.neighbors(i);
                     if (cell % 7 == 0) {
-                        builder.status()[i] = CellStatus::vertex_overflow;
+                        builder.arrays().status[i] = CellStatus::vertex_overflow;
                         unresolved.push_back(cell);
                         lengths.push_back(0);
                         continue;
@@ -253,11 +253,11 @@ TEST_SUITE("stages") {
                         full.face_areas().subspan(static_cast<std::size_t>(full.indptr()[i]), row.size());
                     areas.insert(areas.end(), row_areas.begin(), row_areas.end());
                     faces += row.size();
-                    builder.volumes()[i] = full.volumes()[i];
-                    std::copy_n(full.centroids().data() + 3 * i, 3, builder.centroids().data() + 3 * i);
-                    builder.face_counts()[i] = full.face_counts()[i];
-                    builder.edge_counts()[i] = full.edge_counts()[i];
-                    builder.vertex_counts()[i] = full.vertex_counts()[i];
+                    builder.arrays().volumes[i] = full.volumes()[i];
+                    std::copy_n(full.centroids().data() + 3 * i, 3, builder.arrays().centroids.data() + 3 * i);
+                    builder.arrays().face_counts[i] = full.face_counts()[i];
+                    builder.arrays().edge_counts[i] = full.edge_counts()[i];
+                    builder.arrays().vertex_counts[i] = full.vertex_counts()[i];
                 }
                 if (copied)
                     builder.copy_rows(chunk, lengths, ids, {areas, {}, {}});
@@ -309,7 +309,7 @@ TEST_SUITE("stages") {
         builder.add_rows(cells, lengths, Cells{1, 2, 3});
         CHECK_THROWS_AS(builder.add_rows(cells, lengths, Cells{1, 2, 3}), votess::Error);
         builder.begin(job, pool);
-        builder.status()[7] = CellStatus::candidates_exhausted;
+        builder.arrays().status[7] = CellStatus::candidates_exhausted;
         votess::detail::Result result;
         CHECK_THROWS_AS(builder.finish(result, pool), votess::Error);
         votess::cpu::CpuClipper clipper;

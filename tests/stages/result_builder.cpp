@@ -160,10 +160,10 @@ TEST_SUITE("stages") {
         const std::vector<std::uint32_t> lengths(count, length);
         for (const double expected : {0.0, 1.0, 4.0, 20.0}) {
             builder.begin(job, pool);
-            builder.volumes()[count - 1] = 7;
+            builder.arrays().volumes[count - 1] = 7;
             builder.touch(0.3, 0, pool);
             builder.touch(0.6, expected, pool);
-            builder.centroids()[0] = 8;
+            builder.arrays().centroids[0] = 8;
             builder.touch(1, expected, pool);
             builder.settle(lengths, pool);
             builder.place_rows(0, lengths, ids);
@@ -192,15 +192,15 @@ TEST_SUITE("stages") {
             ResultBuilder builder;
             votess::detail::Result result;
             builder.begin(job, pool);
-            std::ranges::copy(volumes, builder.volumes().begin());
+            std::ranges::copy(volumes, builder.arrays().volumes.begin());
             builder.finish(result, pool);
             if (threads == 1) first = result.stats.volume_sum;
             CHECK(result.stats.volume_sum == first);
             CHECK(std::abs(result.stats.volume_sum - static_cast<double>(exact)) <= 1e-15 * first);
             CHECK(std::ranges::equal(result.volumes, volumes));
             builder.begin(job, pool);
-            std::ranges::fill(builder.volumes(), 1e306);
-            builder.volumes()[70000] = HUGE_VAL;
+            std::ranges::fill(builder.arrays().volumes, 1e306);
+            builder.arrays().volumes[70000] = HUGE_VAL;
             builder.finish(result, pool);
             CHECK(result.stats.volume_sum == HUGE_VAL);
         }
@@ -218,7 +218,7 @@ TEST_SUITE("stages") {
             votess::detail::Result result;
             builder.begin(job, pool);
             for (const std::size_t i : {123456, 499999, 300000, 123457})
-                builder.status()[i] = votess::CellStatus::needs_exact;
+                builder.arrays().status[i] = votess::CellStatus::needs_exact;
             std::string message;
             try {
                 builder.finish(result, pool);

@@ -77,6 +77,19 @@ def raise_on_failure(status: int) -> None:
     raise VotessError(message, ErrorCode(status))
 
 
+def view_of(read: Any, owner: Any, name: str, *part: int, writable: bool = False) -> npt.NDArray[Any]:
+    """Returns a view of an array of ``owner``, see :meth:`Handle.array`. ``read``: ``votess_<kind>_array``."""
+    found = _c_api.Array()
+    raise_on_failure(read(owner, *part, name.encode(), found))
+    dtype = np.dtype(f"{found.kind.decode()}{found.bytes}")
+    shape = (found.length,) if found.components == 1 else (found.length, found.components)
+    if found.data:
+        return np.asarray(_Memory(owner, found.data, shape, dtype, writable))
+    none = np.empty(shape, dtype)
+    none.flags.writeable = writable
+    return none
+
+
 class Handle:
     """Owns one object of the library, whose functions have names as ``votess_<kind>_free``."""
 
@@ -106,16 +119,7 @@ class Handle:
         ``part``: arguments before the name, for kinds with several arrays of a name. ``writable``: for an object of which
         the library reads nothing more.
         """
-        found = _c_api.Array()
-        read = getattr(self._library, f"votess_{self._kind}_array")
-        raise_on_failure(read(self, *part, name.encode(), found))
-        dtype = np.dtype(f"{found.kind.decode()}{found.bytes}")
-        shape = (found.length,) if found.components == 1 else (found.length, found.components)
-        if found.data:
-            return np.asarray(_Memory(self, found.data, shape, dtype, writable))
-        none = np.empty(shape, dtype)
-        none.flags.writeable = writable
-        return none
+        return view_of(getattr(self._library, f"votess_{self._kind}_array"), self, name, *part, writable=writable)
 
     def free(self) -> None:
         # Cleared first: a signal handler may raise right after the call, and free() may be called again. None is NULL for

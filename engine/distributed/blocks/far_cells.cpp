@@ -22,7 +22,7 @@ void keep_rows(detail::Result& r, std::span<const std::size_t> rows) {
     r.indptr.resize_uninitialized(rows.size() + 1);
     detail::for_arrays([&](const auto& array) {
         auto& values = array.of(r);
-        if (array.per != detail::Per::cell || values.empty()) return;
+        if (array.per != Per::cell || values.empty()) return;
         for (std::size_t k = 0; k < rows.size(); ++k)
             for (std::size_t c = 0; c < array.components; ++c)
                 values[array.components * k + c] = values[array.components * rows[k] + c];

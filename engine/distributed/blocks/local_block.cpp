@@ -56,9 +56,9 @@ public:
             out_.indices.push_back(index < 0 ? index : seeds.ids[seed]);
             out_.owners.push_back(index < 0 ? -1 : seeds.tags[seed]);
         }
-        detail::for_row_arrays([&](const auto& array, std::size_t number) {
+        for_row_arrays([&](const auto& array, std::size_t number) {
             if (number == ids || number == duplicates) return;
-            const bool of_cell = array.per == detail::Per::cell;
+            const bool of_cell = array.per == Per::cell;
             const std::size_t each = components_of(array, from.planar);
             append(array.of(out_), array.of(from), each * (of_cell ? i : begin), each * (of_cell ? i + 1 : end),
                    each * (of_cell ? cells_ : entries_));

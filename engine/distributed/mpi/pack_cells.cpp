@@ -13,8 +13,6 @@
 namespace votess::mpi {
 namespace {
 
-using detail::Per;
-
 constexpr auto owners_of = [](auto& cells) -> auto& {
     return cells.owners;
 };
@@ -22,10 +20,10 @@ constexpr auto owners_of = [](auto& cells) -> auto& {
 // Calls visit(array) for all arrays of cells, or of entries of rows.
 template <class Visit>
 void for_arrays(Per per, const Visit& visit) {
-    detail::for_row_arrays([&](const auto& array, std::size_t) {
+    for_row_arrays([&](const auto& array, std::size_t) {
         if (array.per == per) visit(array);
     });
-    if (per == Per::entry) visit(detail::Array{"owners", owners_of, per, 1});
+    if (per == Per::entry) visit(ArrayInfo{"owners", owners_of, per, 1});
 }
 
 template <class T>

@@ -83,13 +83,13 @@ StreamRows Assembler::next(std::size_t max_cells) {
 
     StreamRows rows;
     rows.first = first_;
-    detail::for_row_arrays([&](const auto& array, std::size_t number) {
+    for_row_arrays([&](const auto& array, std::size_t number) {
         const std::size_t each = layout_.bytes(number);
         if (each == 0) return;
         auto& bytes = arrays_[number];
         auto& out = array.of(rows);
         using Element = std::remove_cvref_t<decltype(out[0])>;
-        if (array.per == detail::Per::entry) {
+        if (array.per == Per::entry) {
             bytes.resize(each * entries);
             for_parts([&](Part& part) { take_entries(part, number); });
         } else {

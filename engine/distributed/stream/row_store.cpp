@@ -41,7 +41,7 @@ void put_values(std::size_t begin, std::size_t size, const void* values, std::si
 
 Layout::Layout(const Settled& whole, std::uint64_t seeds) {
     const bool narrow = seeds <= static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
-    detail::for_row_arrays([&](const auto& array, std::size_t number) {
+    for_row_arrays([&](const auto& array, std::size_t number) {
         using Rows = detail::Result;
         const bool wanted = array.word == nullptr || whole.want.*array.word;
         if (wanted)
@@ -62,9 +62,9 @@ RowStore::RowStore(const Layout& layout, TemporaryFile& file, Spool ids)
 void RowStore::add(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped) {
     const detail::Result& result = run.result;
     if (layout_.rows()) add_rows(run, count, skipped);
-    detail::for_row_arrays([&](const auto& array, std::size_t number) {
+    for_row_arrays([&](const auto& array, std::size_t number) {
         const auto& values = array.of(result);
-        if (array.per == detail::Per::cell && layout_.bytes(number) > 0)
+        if (array.per == Per::cell && layout_.bytes(number) > 0)
             of(number).append(std::span(values.data(), values.size()));
     });
     std::vector<Duplicate> duplicates;
@@ -98,11 +98,11 @@ void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std
             for (const std::int32_t index : std::span(result.indices).subspan(at, size))
                 piece.row.push_back(index < 0 ? index : run.seeds.ids[static_cast<std::size_t>(index)]);
             piece.lengths.push_back(static_cast<std::uint32_t>(size));
-            detail::for_row_arrays([&](const auto& array, std::size_t number) {
+            for_row_arrays([&](const auto& array, std::size_t number) {
                 auto& bytes = piece.entries[number];
                 if (number == Layout::indices)
                     put_ids(piece.row, layout_.narrow(), bytes);
-                else if (array.per == detail::Per::entry)
+                else if (array.per == Per::entry)
                     put_values(at, size, array.of(result).data(), layout_.bytes(number), bytes);
             });
         }
@@ -113,7 +113,7 @@ void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std
         for (std::size_t k = 0; k < filled; ++k) {
             lengths_.append(std::span<const std::uint32_t>(pieces[k].lengths));
             entries_ += pieces[k].entries[Layout::indices].size() / layout_.bytes(Layout::indices);
-            detail::for_row_arrays([&](const auto& array, std::size_t number) {
+            for_row_arrays([&](const auto& array, std::size_t number) {
                 using Element = std::remove_cvref_t<decltype(array.of(result)[0])>;
                 const auto append = [&]<class T>(T) {
                     const auto& bytes = pieces[k].entries[number];

@@ -21,9 +21,9 @@ struct Layout {
     [[nodiscard]] std::size_t bytes(std::size_t array) const { return bytes_[array]; }
     [[nodiscard]] bool rows() const { return bytes(indices) > 0; }
     [[nodiscard]] bool narrow() const { return bytes(indices) == sizeof(std::int32_t); }
-    [[nodiscard]] std::size_t bytes_of(detail::Per per) const {
-        std::size_t sum = per == detail::Per::cell && rows() ? sizeof(std::uint32_t) : 0;  // the length of the row
-        detail::for_row_arrays([&](const auto& array, std::size_t number) {
+    [[nodiscard]] std::size_t bytes_of(Per per) const {
+        std::size_t sum = per == Per::cell && rows() ? sizeof(std::uint32_t) : 0;  // the length of the row
+        for_row_arrays([&](const auto& array, std::size_t number) {
             if (array.per == per) sum += bytes_[number];
         });
         return sum;

@@ -324,10 +324,10 @@ private:
                 head.duplicates |= store->has_duplicates();
             }
         // Bytes of a cell in memory: its arrays as read and in order, and ids in 64 bits.
-        double bytes = 2 * static_cast<double>(layout_->bytes_of(detail::Per::cell)) + 24;
+        double bytes = 2 * static_cast<double>(layout_->bytes_of(Per::cell)) + 24;
         if (head.seeds > 0)
-            bytes += (2 * static_cast<double>(layout_->bytes_of(detail::Per::entry)) + 8) *
-                     static_cast<double>(head.entries) / static_cast<double>(head.seeds);
+            bytes += (2 * static_cast<double>(layout_->bytes_of(Per::entry)) + 8) * static_cast<double>(head.entries) /
+                     static_cast<double>(head.seeds);
         const auto max_cells =
             static_cast<std::size_t>(std::max(1000.0, 0.4 * static_cast<double>(stream_.memory) / bytes));
         ThreadPool pool(given_.threads);

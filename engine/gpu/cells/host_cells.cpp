@@ -29,11 +29,11 @@ void HostCells::measure(std::size_t member, const Numbers& geometry) const {
     const Want& want = job.want;
     const auto i = static_cast<std::size_t>(input_of(member));
     const int exponent = exponent_of(member);
-    if (want.volumes) s_.result->volumes()[i] = times_power_of_two(geometry[0], 3 * exponent);
+    if (want.volumes) s_.result->arrays().volumes[i] = times_power_of_two(geometry[0], 3 * exponent);
     if (!want.centroids) return;
     for (std::size_t k = 0; k < 3; ++k)
-        s_.result->centroids()[3 * i + k] = job.points[3 * i + k] + (s_.wraps.empty() ? 0 : s_.wraps[i][k]) +
-                                            times_power_of_two(geometry[1 + k], exponent);
+        s_.result->arrays().centroids[3 * i + k] = job.points[3 * i + k] + (s_.wraps.empty() ? 0 : s_.wraps[i][k]) +
+                                                   times_power_of_two(geometry[1 + k], exponent);
 }
 
 void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geometry) const {
@@ -50,9 +50,9 @@ void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geom
             if (!want.counts) continue;
             const auto i = static_cast<std::size_t>(input_of(member));
             const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff;
-            result.face_counts()[i] = faces;
-            result.edge_counts()[i] = vertices + faces - 2;  // Euler
-            result.vertex_counts()[i] = vertices;
+            result.arrays().face_counts[i] = faces;
+            result.arrays().edge_counts[i] = vertices + faces - 2;  // Euler
+            result.arrays().vertex_counts[i] = vertices;
         }
         result.count(counters);
     });

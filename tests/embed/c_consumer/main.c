@@ -668,9 +668,14 @@ static int rows(const votess_stream_rows* some, void* user) {
     struct stream* stream = user;
     const int64_t* indptr = ARRAY(result, stream->whole, "indptr", NULL);
     const int32_t* indices = ARRAY(result, stream->whole, "indices", NULL);
-    CHECK(some->first == stream->rows && some->count > 0 && some->volumes != NULL && some->centroids == NULL);
-    for (size_t i = 0; i <= some->count; ++i) CHECK(some->indptr[i] == indptr[some->first + i]);
-    for (size_t e = 0; e < some->entries; ++e) CHECK(some->indices[e] == indices[(size_t)some->indptr[0] + e]);
+    size_t volumes = 0, centroids = 0;
+    (void)ARRAY(stream, some, "volumes", &volumes);
+    (void)ARRAY(stream, some, "centroids", &centroids);
+    CHECK(some->first == stream->rows && some->count > 0 && volumes == some->count && centroids == 0);
+    const int64_t* of_rows = ARRAY(stream, some, "indptr", NULL);
+    const int64_t* ids = ARRAY(stream, some, "indices", NULL);
+    for (size_t i = 0; i <= some->count; ++i) CHECK(of_rows[i] == indptr[some->first + i]);
+    for (size_t e = 0; e < some->entries; ++e) CHECK(ids[e] == indices[(size_t)of_rows[0] + e]);
     stream->rows += some->count;
     return VOTESS_STREAM_GO_ON;
 }

@@ -87,7 +87,7 @@ void run(const MadeUp& cells, unsigned threads) {
     // The CPU's own clipper would do this.
     for (const std::int32_t i : cells.left) {
         result.add_rows(std::span(&i, 1), std::array{16u}, row_of_left);
-        result.volumes()[static_cast<std::size_t>(i)] = 1;
+        result.arrays().volumes[static_cast<std::size_t>(i)] = 1;
     }
     const Moment clipped = now();
     const gpu::HostCells host({&job, &result, &pool, {}, {}, 61, cells.info});

@@ -19,7 +19,8 @@ from .._call import Callbacks, Handle, Progress, VotessError, raise_on_failure, 
 from .._domain import Domain, as_domain, with_short_forms
 from .._input import as_array, as_points, fill_weights
 from .._run import new_options
-from .._state import ARRAYS, no_attribute
+from .._row_arrays import NAMES, RowArrays
+from .._state import ARRAYS
 from ..mesh import Lists
 from ..stats import VerifyReport, as_sample, verify
 from . import _library
@@ -29,17 +30,13 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .._domain import DomainKeywords
-    from .._types import Float64Array, Int8Array, Int32Array, Int64Array, UInt8Array, UInt32Array
+    from .._types import Float64Array, Int32Array, Int64Array
 
 __all__ = ["MpiCounts", "MpiTessellation", "tessellate"]
 
 _lib, _handle = _library.load()
 _CELLS: Dict[str, int] = {"handed_in": 0, "made": 1}
-_ARRAYS = (
-    "ids", "points", "status", "duplicate_of", "indptr", "indices", "owners", "shifts", "face_areas", "face_normals", "volumes",
-    "centroids", "surface_areas", "security_radii", "face_counts", "edge_counts", "vertex_counts", "send_indptr", "send",
-    "receive_indptr", "receive",
-)  # fmt: skip
+_ARRAYS = ("ids", "points", "indptr", "indices", "owners", *NAMES, "send_indptr", "send", "receive_indptr", "receive")
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,7 @@ class MpiCounts:
 
 
 @dataclass(frozen=True)
-class MpiTessellation:
+class MpiTessellation(RowArrays):
     """The N cells of a rank. Arrays are read-only views of the library's memory, and None if not in ``want``.
 
     In the plane, vectors have two components.
@@ -68,31 +65,14 @@ class MpiTessellation:
 
     ids: Int64Array  #: (N,) of the seeds
     points: Optional[Float64Array]  #: (N, 3) seeds, with ``cells="made"``
-    status: UInt8Array  #: (N,) values of :class:`CellStatus`
-    duplicate_of: Optional[Int64Array]  #: (N,) the id of the seed that keeps the cell, or -1; None without duplicates
     neighbors: Lists  #: N rows of int64 ids, ascending by id, then by shift; walls are negative
     owners: Int32Array  #: for each entry of the rows the rank of the neighbor; -1 for walls
-    shifts: Optional[Int8Array]  #: (entries, 3) numbers of box vectors; None unless periodic
-    face_areas: Optional[Float64Array]  #: (entries,) length unit squared
-    face_normals: Optional[Float64Array]  #: (entries, 3) unit vectors, outward
-    volumes: Optional[Float64Array]  #: (N,) length unit cubed
-    centroids: Optional[Float64Array]  #: (N, 3)
-    surface_areas: Optional[Float64Array]  #: (N,)
-    security_radii: Optional[Float64Array]  #: (N,)
-    face_counts: Optional[UInt32Array]  #: (N,)
-    edge_counts: Optional[UInt32Array]  #: (N,)
-    vertex_counts: Optional[UInt32Array]  #: (N,)
     send: Lists  #: row r: ids of own seeds that are neighbors on rank r, ascending; with ``cells="handed_in"``
     receive: Lists  #: row r: ids of rank r's seeds that are neighbors of own seeds, in the order of its ``send``
     box: Optional[Float64Array]  #: (2, 3) lower and upper corner; None with a ``cell``
     counts: MpiCounts
     _result: Handle = field(repr=False, compare=False)
     _dimensions: int = field(repr=False, compare=False)
-
-    if not TYPE_CHECKING:  # a type checker would accept any name
-
-        def __getattr__(self, name: str) -> Any:
-            raise no_attribute(self, name)
 
     def verify(
         self, comm: Any, points: Optional[npt.ArrayLike] = None, sample: Optional[int] = None, rng_seed: int = 1

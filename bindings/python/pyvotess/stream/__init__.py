@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import itertools
 import os
 from dataclasses import dataclass
@@ -14,11 +13,12 @@ import numpy as np
 from .. import _c_api
 from .._arguments import as_count, as_flag, require_one_of, as_path, shown
 from .._c_api import WantName
-from .._call import Callbacks, Progress, raise_on_failure, showing
+from .._call import Callbacks, Progress, raise_on_failure, showing, view_of
 from .._domain import Domain, as_domain, with_short_forms
 from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
-from .._state import ARRAYS, no_attribute
+from .._row_arrays import NAMES, RowArrays
+from .._state import ARRAYS
 from ..stats import Stats, VerifyReport, read_report, stats_of
 from .._library import lib
 
@@ -27,45 +27,22 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .._domain import DomainKeywords
-    from .._types import Float64Array, Int8Array, Int64Array, UInt8Array, UInt32Array
+    from .._types import Float64Array, Int64Array
 
 __all__ = ["StreamResult", "StreamRows", "tessellate_stream"]
 
 _STOP, _END, _GO_ON = -1, 0, 1
-_INT64, _UINT32 = ("duplicate_of", "indptr", "indices"), ("face_counts", "edge_counts", "vertex_counts")
-#: Types of arrays of rows; others are float64.
-_TYPES: Dict[str, Any] = {
-    "status": np.uint8, "shifts": np.int8, **dict.fromkeys(_INT64, np.int64), **dict.fromkeys(_UINT32, np.uint32),
-}  # fmt: skip
-
 
 @dataclass(frozen=True)
-class StreamRows:
-    """The cells of n consecutive seeds, from seed ``first`` on. Arrays that are not in ``want`` are None.
+class StreamRows(RowArrays):
+    """The cells of N consecutive seeds, from seed ``first`` on. Arrays that are not in ``want`` are None.
 
     They are arrays of :class:`Tessellation` with int64 ids. In the plane, vectors have two components.
     """
 
     first: int
-    status: UInt8Array  #: (n,) :class:`CellStatus`
-    duplicate_of: Optional[Int64Array]  #: (n,) or None without duplicates in the run
-    indptr: Optional[Int64Array]  #: (n + 1,), counted from the first seed of the run
+    indptr: Optional[Int64Array]  #: (N + 1,), counted from the first seed of the run
     indices: Optional[Int64Array]  #: (entries,) neighbors, row by row
-    shifts: Optional[Int8Array]  #: (entries, 3); None unless periodic
-    face_areas: Optional[Float64Array]  #: (entries,)
-    face_normals: Optional[Float64Array]  #: (entries, 3)
-    volumes: Optional[Float64Array]  #: (n,)
-    centroids: Optional[Float64Array]  #: (n, 3)
-    surface_areas: Optional[Float64Array]  #: (n,)
-    security_radii: Optional[Float64Array]  #: (n,)
-    face_counts: Optional[UInt32Array]  #: (n,), also the next two
-    edge_counts: Optional[UInt32Array]
-    vertex_counts: Optional[UInt32Array]
-
-    if not TYPE_CHECKING:  # which would allow any name
-
-        def __getattr__(self, name: str) -> Any:
-            raise no_attribute(self, name)
 
     def __len__(self) -> int:
         return len(self.status)
@@ -152,19 +129,12 @@ class _Source:
         return _GO_ON
 
     def rows(self, rows: Any) -> int:
-        some = rows[0]
-
         def array(name: str) -> Any:
-            dtype = np.dtype(_TYPES.get(name, np.float64))
-            of_entries = name in ("indices", "shifts", "face_areas", "face_normals")
-            count = some.entries if of_entries else some.count + (name == "indptr")
-            shape = (count, self.dimensions) if name in ("shifts", "face_normals", "centroids") else (count,)
-            address = getattr(some, name)
-            if not address:
-                return np.empty(shape, dtype) if name in self._present else None
-            return np.frombuffer(ctypes.string_at(address, int(np.prod(shape)) * dtype.itemsize), dtype).reshape(shape)
+            found = view_of(lib.votess_stream_array, rows, name)
+            return found.copy() if len(found) or name in self._present else None
 
-        self._rows(StreamRows(some.first, **{name: array(name) for name in StreamRows.__dataclass_fields__ if name != "first"}))
+        arrays = {name: array(name) for name in (*NAMES, "indptr", "indices")}
+        self._rows(StreamRows(first=rows[0].first, **arrays))
         return _GO_ON
 
 
