@@ -47,8 +47,8 @@ VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 //   int64_t   duplicate_of (N), where seeds are equal
 //   int32_t   owners (indptr[N]), ranks
 //   double    points (N, d), with VOTESS_MPI_MADE
-// and the others with the names and types of votess_result: shifts, face_areas, face_normals, volumes, centroids,
-// surface_areas, security_radii, face_counts, edge_counts, vertex_counts, status.
+// and, with the names and types of votess_result_array, shifts, status, and those (N) and (indptr[N]) that options.want
+// can ask for.
 VOTESS_API votess_status votess_mpi_array(const votess_mpi_result* result, const char* name, votess_array* array);
 // Writes the box that was given or assumed. Fails for a triclinic one.
 VOTESS_API votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]);

@@ -37,8 +37,7 @@ typedef struct votess_stream_rows {
 // votess_result_array, except that ids have 64 bits:
 //   int64_t   indptr (count + 1), counted from the first seed of the run; indices (entries)
 //   int64_t   duplicate_of (count); empty in a run without duplicates
-// and shifts, face_areas, face_normals, volumes, centroids, surface_areas, security_radii, face_counts, edge_counts,
-// vertex_counts, status.
+// and shifts, status, and those (N) and (indptr[N]) that options.want can ask for.
 VOTESS_API votess_status votess_stream_array(const votess_stream_rows* rows, const char* name, votess_array* array);
 
 // Values that callbacks return. They run in the thread of the call; VOTESS_STREAM_STOP ends it with

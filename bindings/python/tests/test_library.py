@@ -168,7 +168,7 @@ class Loading(unittest.TestCase):
         for name, kind, size in (("volumes", "f8", 10), ("status", "u1", 10), ("indptr", "i8", 0), ("face_counts", "u4", 0), ("shifts", "i1", 0)):
             self.assertEqual((handle.array(name).dtype, len(handle.array(name))), (np.dtype(kind), size), name)
         self.assertEqual(handle.array("walls").shape, (0, 4))
-        with self.assertRaisesRegex(ValueError, "name is 'volume': the arrays of result are status, .*, indptr, .*, walls$"):
+        with self.assertRaisesRegex(ValueError, "name is 'volume': the arrays of result are indices, .*, indptr, .*, walls$"):
             handle.array("volume")
         listed = str(self.error_of(lambda: handle.array("x"))).rsplit(" are ", 1)[1].split(", ")
         names = {name for names in _state.ARRAYS.values() for name in names}
