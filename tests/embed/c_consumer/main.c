@@ -93,7 +93,7 @@ static void check_cube(const votess_result* result) {
     }
     CHECK(ARRAY(result, result, "centroids", &length) == NULL && length == 0 && last.components == 3);  // not wanted
     last.length = 5;
-    CHECK_REFUSES(votess_result_array(result, "volume", &last), "name is 'volume': the arrays of result are status, ");
+    CHECK_REFUSES(votess_result_array(result, "volume", &last), "name is 'volume': the arrays of result are indices, ");
     CHECK(last.data == NULL && last.length == 0 && strstr(votess_last_error(), ", weights, walls") != NULL);
     CHECK_REFUSES(votess_result_array(result, NULL, &last), "name is NULL");
     CHECK_REFUSES(votess_result_array(result, "volumes", NULL), "array is NULL");
