@@ -33,8 +33,10 @@ std::vector<std::int32_t> CpuClipper::collect_hard() {
 void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
     const Domain& domain = *job_.domain;
+    const bool periodic = domain.is_periodic();
     // Walls only cut the cells.
-    const bool has_delaunay = !domain.is_periodic() && job_.beyond.empty() && count <= max_triangulated;
+    const bool has_delaunay =
+        (!periodic || domain.has_weights()) && job_.beyond.empty() && count > 1 && count <= max_triangulated;
     const std::size_t cost = (domain.has_weights() ? weighted_tests : triangulation_tests) * count;
     std::vector<std::int32_t> hard = collect_hard();
     // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
@@ -44,11 +46,11 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
         // One of the two is always completed. Together they cost a few times as much as the cheaper one.
         const bool many = hard.size() > cost / std::min(tests, count);
         if (has_delaunay && (delaunay_ || many) && triangulate()) {
-            clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
-                // The search soon finds what hides a seed.
-                if (!seeds_.weights.empty() && delaunay_->is_hidden(seed)) return &worker.builder.build(seed);
+            clip_each(hard, out, [this, periodic](std::size_t seed, Worker& worker) {
+                if (!seeds_.weights.empty() && delaunay_->is_hidden(seed)) return &worker.builder.build_hidden(seed);
                 delaunay_->neighbors(seed, worker.candidates, worker.marks);
-                return &worker.builder.build_from(seed, worker.candidates);
+                return periodic ? &worker.builder.build_among_images(seed, worker.candidates)
+                                : &worker.builder.build_from(seed, worker.candidates);
             });
         } else {
             clip_each(hard, out, [&](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); });
@@ -79,9 +81,13 @@ bool CpuClipper::triangulate() {
     if (!delaunay_ && seeds_.weights.empty()) delaunay_.emplace(seeds_);
     if (!delaunay_) {
         std::vector<PowerSites::Site> sites;
-        for (std::size_t s = 0; s < seeds_.size(); ++s)
-            sites.push_back({{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}, seeds_.weights[s]});
-        delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites)));
+        for (std::size_t s = 0; s < seeds_.size(); ++s) {
+            const auto at = seeds_.images == nullptr
+                                ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
+                                : images_.base(s);
+            sites.push_back({at.point, at.shift, seeds_.weights[s]});
+        }
+        delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites), &job_.domain->lattice));
     }
     return delaunay_->valid();
 }
