@@ -84,6 +84,53 @@ double least_power(const Hierarchy& hierarchy, const Lift& lift, int level, std:
     return power;
 }
 
+// Vertices of a cell, or of what it was some cuts ago.
+class Corners {
+public:
+    void take(const Cell& cell) {
+        for (auto& axis : x_) axis.clear();
+        error_ = 0;
+        for (int slot = 0; slot < cell.slots(); ++slot) {
+            if (!cell.alive(slot)) continue;
+            const auto at = cell.position(slot);
+            for (std::size_t k = 0; k < 3; ++k) x_[k].push_back(at[k]);
+            error_ = std::max(error_, cell.tolerance(slot));
+        }
+        largest_ = {};
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const double x : x_[k]) largest_[k] = std::max(largest_[k], std::abs(x));
+    }
+    // Returns false only if |n|^2 - 2 n.X > more for all n in a box and all vertices X, moved. Along each axis that is
+    // least at n = X or at an end of the box; see Cell::may_cut().
+    [[nodiscard]] bool may_lose(const Box& box, double more, const exact::Point& move) const {
+        constexpr double rounding = 0x1p-46;
+        double limit = more + rounding * std::abs(more) + std::numeric_limits<double>::min();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double far = std::max(std::abs(box.lower[k]), std::abs(box.upper[k]));
+            limit += far * (2 * error_ * (1 + rounding) + rounding * (far + largest_[k] + std::abs(move[k])));
+        }
+        const std::size_t count = x_[0].size();
+        const double *x = x_[0].data(), *y = x_[1].data(), *z = x_[2].data();
+        const auto least = [&](double at, std::size_t k) {
+            const double n = std::min(std::max(at, box.lower[k]), box.upper[k]);
+            return n * (n - 2 * at);
+        };
+        double nearest = infinity;
+        bool sure = true;  // false with NaN
+        for (std::size_t i = 0; i < count; ++i) {
+            const double sum = least(x[i] + move[0], 0) + least(y[i] + move[1], 1) + least(z[i] + move[2], 2);
+            nearest = std::min(nearest, sum);
+            sure &= sum == sum;
+        }
+        return !(sure && nearest > limit);
+    }
+
+private:
+    std::array<std::vector<double>, 3> x_;
+    double error_ = 0;
+    exact::Point largest_{};
+};
+
 }  // namespace
 
 CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
@@ -702,6 +749,8 @@ void CellBuilder::clip_by_power(double from, bool images_only) {
     };
     far_queue_.clear();
     enclose();
+    Corners corners;
+    corners.take(cell_);
     const int top = hierarchy_.top_level();
     push(top, 0, hierarchy_.box(top, 0));
     while (!far_queue_.empty()) {
@@ -713,9 +762,8 @@ void CellBuilder::clip_by_power(double from, bool images_only) {
         const Box box = hierarchy_.box(entry.level, entry.node), seen = seen_from(at_, box, place_rounding_);
         const WeightBound bound = weight_bound(entry.level, entry.node, box);
         double gain = 0;
-        if (!ball_may_lose(seen, bound, gain)) continue;
+        if (!ball_may_lose(seen, bound, gain) || !corners.may_lose(seen, bound.more, bound.view.move)) continue;
         if (entry.level > 0) {
-            if (cell_.slots() < large_cell && !cell_.may_cut(seen, bound.more, bound.view)) continue;
             for_each_child(hierarchy_, entry, push);
             continue;
         }
@@ -728,11 +776,14 @@ void CellBuilder::clip_by_power(double from, bool images_only) {
             const exact::Point x{seeds_.x[i], seeds_.y[i], seeds_.z[i]};
             const double rounding = 0x1p-50 * (std::abs(seeds_.weights[i]) + std::abs(weight_));
             const WeightBound own{seeds_.weights[i] - weight_ + rounding, {}};
-            if (!ball_may_lose(seen_from(at_, {x, x}, place_rounding_), own, gain)) continue;
+            const Box there = seen_from(at_, {x, x}, place_rounding_);
+            if (!ball_may_lose(there, own, gain) || !corners.may_lose(there, own.more, {})) continue;
             ++tests_;
             if (!clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2])) continue;
             if (cell_.empty()) return;
-            if (++cuts_ * slots_per_cut >= cell_.slots()) enclose();
+            if (++cuts_ * slots_per_cut < cell_.slots()) continue;
+            enclose();
+            corners.take(cell_);
         }
     }
 }

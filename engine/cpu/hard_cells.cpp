@@ -1,6 +1,7 @@
 #include "cpu/hard_cells.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "core/arithmetic.hpp"
@@ -12,6 +13,7 @@ namespace {
 
 constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
+constexpr std::size_t sampled_cells = 32;
 // Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights all
 // are exact.
 constexpr std::size_t triangulation_tests = 60, weighted_tests = 150;
@@ -43,8 +45,25 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
     std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
         if (tests >= 2 * count) tests = unlimited;
+        const auto search = [tests](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); };
         // One of the two is always completed. Together they cost a few times as much as the cheaper one.
-        const bool many = hard.size() > cost / std::min(tests, count);
+        bool many = hard.size() > cost / std::min(tests, count);
+        if (many && has_delaunay && domain.has_weights() && !delaunay_) {
+            // Most searches may take far fewer tests.
+            std::atomic<std::size_t> used = 0;
+            std::vector<std::int32_t> sample, rest;
+            const std::size_t step = ceil_div(hard.size(), sampled_cells);
+            for (std::size_t k = 0; k < hard.size(); ++k) (k % step == 0 ? sample : rest).push_back(hard[k]);
+            clip_each(sample, out, [&](std::size_t seed, Worker& worker) {
+                Cell* const cell = search(seed, worker);
+                used += worker.builder.tests();
+                return cell;
+            });
+            many = used / sample.size() > cost / hard.size();
+            hard = collect_hard();
+            hard.insert(hard.end(), rest.begin(), rest.end());
+            std::sort(hard.begin(), hard.end());
+        }
         if (has_delaunay && (delaunay_ || many) && triangulate()) {
             clip_each(hard, out, [this, periodic](std::size_t seed, Worker& worker) {
                 if (!seeds_.weights.empty() && delaunay_->is_hidden(seed)) return &worker.builder.build_hidden(seed);
@@ -53,7 +72,7 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
                                 : &worker.builder.build_from(seed, worker.candidates);
             });
         } else {
-            clip_each(hard, out, [&](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); });
+            clip_each(hard, out, search);
         }
     }
 }
