@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
-constexpr std::size_t sampled_cells = 32;
+constexpr std::size_t sampled_cells = 16;
+constexpr std::size_t exact_tests = 4;  // so many tests take as long as one that may be exact
 // Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights all
 // are exact.
 constexpr std::size_t triangulation_tests = 60, weighted_tests = 150;
@@ -49,14 +50,14 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
         // One of the two is always completed. Together they cost a few times as much as the cheaper one.
         bool many = hard.size() > cost / std::min(tests, count);
         if (many && has_delaunay && domain.has_weights() && !delaunay_) {
-            // Most searches may take far fewer tests.
+            // Most searches may take far fewer tests, or exact ones.
             std::atomic<std::size_t> used = 0;
             std::vector<std::int32_t> sample, rest;
             const std::size_t step = ceil_div(hard.size(), sampled_cells);
             for (std::size_t k = 0; k < hard.size(); ++k) (k % step == 0 ? sample : rest).push_back(hard[k]);
             clip_each(sample, out, [&](std::size_t seed, Worker& worker) {
                 Cell* const cell = search(seed, worker);
-                used += worker.builder.tests();
+                used += worker.builder.tests() * (cell == nullptr || cell->used_exact() ? exact_tests : 1);
                 return cell;
             });
             many = used / sample.size() > cost / hard.size();
