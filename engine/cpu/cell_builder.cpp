@@ -8,6 +8,7 @@
 #include <limits>
 #include <tuple>
 
+#include "core/arithmetic.hpp"
 #include "core/box.hpp"
 #include "core/progress.hpp"
 #include "domain/lattice_reach.hpp"
@@ -31,6 +32,7 @@ constexpr std::size_t enough_for_walls = 12;  // planes, of which six bound the 
 constexpr std::size_t max_idle = 24;          // seeds in a row that do not cut a cell that reaches far beyond them
 constexpr double far_beyond = 16;             // times the squared distance
 constexpr int cuts_in_a_row = 16, large_cell = 512;  // slots; see clip_far()
+constexpr int slots_per_cut = 16;                    // after so many cuts of a cell its ball is found again
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
@@ -81,6 +83,53 @@ double least_power(const Hierarchy& hierarchy, const Lift& lift, int level, std:
     }
     return power;
 }
+
+// Vertices of a cell, or of what it was some cuts ago.
+class Corners {
+public:
+    void take(const Cell& cell) {
+        for (auto& axis : x_) axis.clear();
+        error_ = 0;
+        for (int slot = 0; slot < cell.slots(); ++slot) {
+            if (!cell.alive(slot)) continue;
+            const auto at = cell.position(slot);
+            for (std::size_t k = 0; k < 3; ++k) x_[k].push_back(at[k]);
+            error_ = std::max(error_, cell.tolerance(slot));
+        }
+        largest_ = {};
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const double x : x_[k]) largest_[k] = std::max(largest_[k], std::abs(x));
+    }
+    // Returns false only if |n|^2 - 2 n.X > more for all n in a box and all vertices X, moved. Along each axis that is
+    // least at n = X or at an end of the box; see Cell::may_cut().
+    [[nodiscard]] bool may_lose(const Box& box, double more, const exact::Point& move) const {
+        constexpr double rounding = 0x1p-46;
+        double limit = more + rounding * std::abs(more) + std::numeric_limits<double>::min();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double far = std::max(std::abs(box.lower[k]), std::abs(box.upper[k]));
+            limit += far * (2 * error_ * (1 + rounding) + rounding * (far + largest_[k] + std::abs(move[k])));
+        }
+        const std::size_t count = x_[0].size();
+        const double *x = x_[0].data(), *y = x_[1].data(), *z = x_[2].data();
+        const auto least = [&](double at, std::size_t k) {
+            const double n = std::min(std::max(at, box.lower[k]), box.upper[k]);
+            return n * (n - 2 * at);
+        };
+        double nearest = infinity;
+        bool sure = true;  // false with NaN
+        for (std::size_t i = 0; i < count; ++i) {
+            const double sum = least(x[i] + move[0], 0) + least(y[i] + move[1], 1) + least(z[i] + move[2], 2);
+            nearest = std::min(nearest, sum);
+            sure &= sum == sum;
+        }
+        return !(sure && nearest > limit);
+    }
+
+private:
+    std::array<std::vector<double>, 3> x_;
+    double error_ = 0;
+    exact::Point largest_{};
+};
 
 }  // namespace
 
@@ -467,7 +516,7 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     if (!cell_.empty() && !probing_) open_window_of(static_cast<std::size_t>(own_));
     const double from = cell_.empty() ? infinity : clip_window();
     clip_walls();
-    if (from < infinity) clip_far(from);
+    if (from < infinity) clip_far(from, false);
     if (seeds_.images != nullptr) clip_far_images();
     if (exhausted()) return nullptr;
     if (!cell_.empty()) reach_ = equal_reach_squared() * distance_slack;
@@ -528,6 +577,28 @@ Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> ca
     return cell_;
 }
 
+Cell& CellBuilder::build_hidden(std::size_t seed) {
+    set_seed(seed);
+    start();
+    exact::Plane plane = bisector(own_, {});
+    plane.power = {-1, 0};  // a heavier seed at the same place
+    cell_.clip(own_, plane);
+    return cell_;
+}
+
+Cell& CellBuilder::build_among_images(std::size_t seed, std::span<const std::int32_t> candidates) {
+    set_seed(seed);
+    tests_ = 0;
+    max_tests_ = std::numeric_limits<std::size_t>::max();
+    start();
+    for (const std::int32_t i : candidates) clip_by(i, seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+    clip_walls();
+    if (cell_.empty()) return cell_;
+    clip_far(0, true);
+    clip_far_images();
+    return cell_;
+}
+
 Cell& CellBuilder::rebuild(CellFaces& faces) {
     cell_.canonical_faces(faces);
     if (!plain_ || cell_.empty() || !seeds_.beyond.empty()) return rebuild_by_planes(faces);
@@ -582,7 +653,8 @@ double CellBuilder::clip_band(double from, double to, std::size_t& idle) {
     return to < reach_squared() ? to : infinity;
 }
 
-void CellBuilder::clip_far(double from) {
+void CellBuilder::clip_far(double from, bool images_only) {
+    if (!seeds_.weights.empty() && !seeds_.lift.exists()) return clip_by_power(from, images_only);
     const Box here{at_, at_};
     // A test of a large cell against a box takes longer than a cut. While most seeds cut it, they are not tested.
     int in_a_row = 0;
@@ -616,6 +688,102 @@ void CellBuilder::clip_far(double from) {
             const bool cuts = clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2]);
             in_a_row = cuts ? in_a_row + 1 : 0;
             ++tests_;
+        }
+    }
+}
+
+void CellBuilder::enclose() {
+    cuts_ = 0;
+    center_ = cell_.middle();
+    radius_ = 0;
+    for (int slot = 0; slot < cell_.slots(); ++slot) {
+        if (!cell_.alive(slot)) continue;
+        const auto x = cell_.position(slot);
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) square += (x[k] - center_[k]) * (x[k] - center_[k]);
+        radius_ = std::max(radius_, std::sqrt(square) * distance_slack + 2 * cell_.tolerance(slot));
+    }
+}
+
+// A seed p + n of a node weighs at most w_p + more + 2 n.move, so it cuts off v only if |n|^2 - 2 n.(v + move) < more.
+CellBuilder::WeightBound CellBuilder::weight_bound(int level, std::size_t node, const Box& box) const {
+    const WeightBlock& bounds = hierarchy_.weight_bounds(level, node / Hierarchy::fan);
+    const std::size_t i = node % Hierarchy::fan;
+    WeightBound out{bounds.top[i] - weight_, {}};
+    double size = std::abs(bounds.top[i]) + std::abs(weight_), rounding = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double slope = bounds.slope[k][i], center = 0.5 * (box.lower[k] + box.upper[k]);
+        out.view.move[k] = 0.5 * slope;
+        out.more += slope * (at_[k] - center);
+        size += std::abs(slope) * (std::abs(at_[k]) + std::abs(center));
+        rounding += std::abs(slope) * place_rounding_[k];
+    }
+    out.more += 0x1p-48 * size + 4 * rounding;
+    return out;
+}
+
+// A ball around the cell stands for its vertices. gain: set to a lower bound of |n|^2 - 2 n.(center + move) - more.
+bool CellBuilder::ball_may_lose(const Box& seen, const WeightBound& bound, double& gain) const {
+    double sum = 0, size = std::abs(bound.more), far2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double x = center_[k] + bound.view.move[k];
+        const double q = std::clamp(x, seen.lower[k], seen.upper[k]), term = q * (q - 2 * x);
+        const double far = std::max(std::abs(seen.lower[k]), std::abs(seen.upper[k]));
+        sum += term;
+        size += std::abs(term) + q * q + far * std::abs(bound.view.move[k]);
+        far2 += far * far;
+    }
+    gain = sum - bound.more;
+    return !(gain > 2 * radius_ * std::sqrt(far2) * distance_slack + 0x1p-47 * size);
+}
+
+void CellBuilder::clip_by_power(double from, bool images_only) {
+    const std::size_t homes = round_up(seeds_.size(), group_size);
+    const auto push = [&](int level, std::size_t node, const Box& box) {
+        if (images_only && Hierarchy::first_seed(level, node + 1) <= homes) return;
+        double gain = 0;
+        if (ball_may_lose(seen_from(at_, box, place_rounding_), weight_bound(level, node, box), gain)) {
+            far_queue_.push_back({gain, level, static_cast<std::uint32_t>(node)});
+            std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
+        }
+    };
+    far_queue_.clear();
+    enclose();
+    Corners corners;
+    corners.take(cell_);
+    const int top = hierarchy_.top_level();
+    push(top, 0, hierarchy_.box(top, 0));
+    while (!far_queue_.empty()) {
+        std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
+        const QueueEntry entry = far_queue_.back();
+        far_queue_.pop_back();
+        if (++tests_ > max_tests_) return;
+        poll_stop();
+        const Box box = hierarchy_.box(entry.level, entry.node), seen = seen_from(at_, box, place_rounding_);
+        const WeightBound bound = weight_bound(entry.level, entry.node, box);
+        double gain = 0;
+        if (!ball_may_lose(seen, bound, gain) || !corners.may_lose(seen, bound.more, bound.view.move)) continue;
+        if (entry.level > 0) {
+            for_each_child(hierarchy_, entry, push);
+            continue;
+        }
+        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
+        double distance[group_size];
+        kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
+                                   at_.data(), distance);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (distance[i - begin] < from || static_cast<std::int32_t>(i) == own_) continue;
+            const exact::Point x{seeds_.x[i], seeds_.y[i], seeds_.z[i]};
+            const double rounding = 0x1p-50 * (std::abs(seeds_.weights[i]) + std::abs(weight_));
+            const WeightBound own{seeds_.weights[i] - weight_ + rounding, {}};
+            const Box there = seen_from(at_, {x, x}, place_rounding_);
+            if (!ball_may_lose(there, own, gain) || !corners.may_lose(there, own.more, {})) continue;
+            ++tests_;
+            if (!clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2])) continue;
+            if (cell_.empty()) return;
+            if (++cuts_ * slots_per_cut < cell_.slots()) continue;
+            enclose();
+            corners.take(cell_);
         }
     }
 }

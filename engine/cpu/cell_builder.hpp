@@ -64,6 +64,11 @@ public:
     // Does the same by images of seeds, after guards.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts,
                      std::span<const exact::Plane> guards = {});
+    // Builds the cell of a seed of a periodic domain from candidates that include its neighbors among the seeds
+    // themselves. Searches their images.
+    Cell& build_among_images(std::size_t seed, std::span<const std::int32_t> candidates);
+    // Returns the cell of a seed that is known to have none.
+    Cell& build_hidden(std::size_t seed);
     // Clips the last cell again, by its neighbors only, so that its rounding does not depend on how it was found.
     // faces: scratch.
     Cell& rebuild(CellFaces& faces);
@@ -103,8 +108,19 @@ private:
     // Clips by the window's seeds, nearest first. Returns infinity when the cell is proven complete or the tests are
     // exhausted, else the squared distance from which on clip_far() must try seeds.
     double clip_window();
-    // Clips by all seeds, and images among them, from that squared distance on.
-    void clip_far(double from);
+    // Clips by all seeds, and images among them, or by these alone, from that squared distance on.
+    void clip_far(double from, bool images_only);
+    // The same in a power diagram, where the cell may lie far from its seed: first by those that cut the middle of the
+    // cell deepest, as bounds of the weights of boxes tell.
+    void clip_by_power(double from, bool images_only);
+    // Puts a ball around the cell.
+    void enclose();
+    struct WeightBound {
+        double more;
+        LiftedView view;
+    };
+    [[nodiscard]] WeightBound weight_bound(int level, std::size_t node, const Box& box) const;
+    [[nodiscard]] bool ball_may_lose(const Box& seen, const WeightBound& bound, double& gain) const;
     Cell& rebuild_by_planes(const CellFaces& faces);
     void clip_by_heaviest();
     // Returns a seed or image of less power |x - q|^2 - w than the cell's own seed, mostly the least, or -1. x: from
@@ -148,6 +164,9 @@ private:
     LiftedView view_{};
     double rest_ = 0, more_rest_ = 0;  // see Lift; bound on the excess of any rest over this one
     std::int32_t coincident_ = -1;
+    exact::Point center_{};  // of a ball around the cell, from the seed
+    double radius_ = 0;
+    int cuts_ = 0;  // since the ball was found
 
     std::size_t group_ = ~std::size_t{0};
     Box home_{};

@@ -1,6 +1,7 @@
 #include "cpu/hard_cells.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "core/arithmetic.hpp"
@@ -12,6 +13,8 @@ namespace {
 
 constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
+constexpr std::size_t sampled_cells = 16;
+constexpr std::size_t exact_tests = 4;  // so many tests take as long as one that may be exact
 // Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights all
 // are exact.
 constexpr std::size_t triangulation_tests = 60, weighted_tests = 150;
@@ -33,25 +36,44 @@ std::vector<std::int32_t> CpuClipper::collect_hard() {
 void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
     const Domain& domain = *job_.domain;
+    const bool periodic = domain.is_periodic();
     // Walls only cut the cells.
-    const bool has_delaunay = !domain.is_periodic() && job_.beyond.empty() && count <= max_triangulated;
+    const bool has_delaunay =
+        (!periodic || domain.has_weights()) && job_.beyond.empty() && count > 1 && count <= max_triangulated;
     const std::size_t cost = (domain.has_weights() ? weighted_tests : triangulation_tests) * count;
     std::vector<std::int32_t> hard = collect_hard();
     // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
     std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
         if (tests >= 2 * count) tests = unlimited;
+        const auto search = [tests](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); };
         // One of the two is always completed. Together they cost a few times as much as the cheaper one.
-        const bool many = hard.size() > cost / std::min(tests, count);
+        bool many = hard.size() > cost / std::min(tests, count);
+        if (many && has_delaunay && domain.has_weights() && !delaunay_) {
+            // Most searches may take far fewer tests, or exact ones.
+            std::atomic<std::size_t> used = 0;
+            std::vector<std::int32_t> sample, rest;
+            const std::size_t step = ceil_div(hard.size(), sampled_cells);
+            for (std::size_t k = 0; k < hard.size(); ++k) (k % step == 0 ? sample : rest).push_back(hard[k]);
+            clip_each(sample, out, [&](std::size_t seed, Worker& worker) {
+                Cell* const cell = search(seed, worker);
+                used += worker.builder.tests() * (cell == nullptr || cell->used_exact() ? exact_tests : 1);
+                return cell;
+            });
+            many = used / sample.size() > cost / hard.size();
+            hard = collect_hard();
+            hard.insert(hard.end(), rest.begin(), rest.end());
+            std::sort(hard.begin(), hard.end());
+        }
         if (has_delaunay && (delaunay_ || many) && triangulate()) {
-            clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
-                // The search soon finds what hides a seed.
-                if (!seeds_.weights.empty() && delaunay_->is_hidden(seed)) return &worker.builder.build(seed);
+            clip_each(hard, out, [this, periodic](std::size_t seed, Worker& worker) {
+                if (!seeds_.weights.empty() && delaunay_->is_hidden(seed)) return &worker.builder.build_hidden(seed);
                 delaunay_->neighbors(seed, worker.candidates, worker.marks);
-                return &worker.builder.build_from(seed, worker.candidates);
+                return periodic ? &worker.builder.build_among_images(seed, worker.candidates)
+                                : &worker.builder.build_from(seed, worker.candidates);
             });
         } else {
-            clip_each(hard, out, [&](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); });
+            clip_each(hard, out, search);
         }
     }
 }
@@ -79,9 +101,13 @@ bool CpuClipper::triangulate() {
     if (!delaunay_ && seeds_.weights.empty()) delaunay_.emplace(seeds_);
     if (!delaunay_) {
         std::vector<PowerSites::Site> sites;
-        for (std::size_t s = 0; s < seeds_.size(); ++s)
-            sites.push_back({{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}, seeds_.weights[s]});
-        delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites)));
+        for (std::size_t s = 0; s < seeds_.size(); ++s) {
+            const auto at = seeds_.images == nullptr
+                                ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
+                                : images_.base(s);
+            sites.push_back({at.point, at.shift, seeds_.weights[s]});
+        }
+        delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites), &job_.domain->lattice));
     }
     return delaunay_->valid();
 }
