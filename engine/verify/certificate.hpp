@@ -35,6 +35,7 @@
 #include <vector>
 
 #include "core/thread_pool.hpp"
+#include "output/small_faces.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
 #include "verify/reported_cell.hpp"
@@ -46,6 +47,7 @@ class Certificate {
 public:
     struct Verdict {
         bool proven = false;
+        std::uint64_t tiny_faces = 0;  // as in Stats
         Fault fault;      // of a cell, or of -1: of all together
         Fault unsettled;  // why a cell is neither proven nor certainly wrong
     };
@@ -76,7 +78,11 @@ private:
             std::int32_t id;
             std::uint64_t key;
         };
-        std::vector<Vertex> vertices;
+        std::vector<Vertex> found;
+        bool has_polygons = false;           // the polytope is that of polygons
+        std::vector<std::int32_t> vertices;  // by corner
+        FaceTally areas;
+        std::vector<double> seed_areas;
         struct UnlistedWall {
             std::int32_t id;
             double distance;  // from the seed
@@ -87,15 +93,21 @@ private:
 
     template <class Task>
     void for_cells(const Task& task);
+    void prefetch(std::size_t i) const;
     [[nodiscard]] bool is_live(std::int32_t id) const;
     [[nodiscard]] RowPolytope::Name name(std::size_t entry) const;
     void check_cell(Worker& w, std::size_t i);
     [[nodiscard]] bool build(Worker& w, std::size_t i);
     [[nodiscard]] bool add_row(Worker& w, std::size_t i);
-    void find_walls(Worker& w) const;
+    [[nodiscard]] bool wrap_polygons(Worker& w, std::size_t i) const;
+    void find_walls(Worker& w, double reach) const;
     [[nodiscard]] bool check_faces(Worker& w, std::size_t i, RowPolytope::Shape shape);
     void check_numbers(Worker& w, std::size_t i);
+    static void add_areas(Worker& w);
     void check_polygons(Worker& w, std::size_t i);
+    [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;
+    void add_polygons(Worker& w, std::size_t i) const;
+    void check_vertices(Worker& w, std::size_t i) const;
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
     void check_names(Worker& w, std::size_t i);
@@ -119,6 +131,7 @@ private:
     Rows rows_;
     SeedPlanes planes_;
     double unscale_;
+    bool has_places_ = false;  // or other numbers that are compared
     ThreadPool pool_;
     std::vector<std::unique_ptr<Worker>> workers_;
     std::vector<std::uint64_t> open_names_;  // sums over all workers, by bucket

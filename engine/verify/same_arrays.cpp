@@ -49,8 +49,9 @@ std::string text_of(T value) {
 std::string malformed(const Result& r) {
     const std::size_t cells = r.status.size(), entries = r.indices.size();
     const auto exist = [](std::span<const std::int32_t> ids, std::int64_t lowest, std::size_t count) {
-        return std::ranges::all_of(
-            ids, [&](std::int32_t id) { return id >= lowest && (id < 0 || static_cast<std::size_t>(id) < count); });
+        std::int32_t least = 0, largest = -1;  // without an early end, which vectors lack
+        for (const std::int32_t id : ids) least = std::min(least, id), largest = std::max(largest, id);
+        return least >= lowest && (largest < 0 || static_cast<std::size_t>(largest) < count);
     };
     const std::size_t vertices =
         r.vertices.empty() ? std::numeric_limits<std::size_t>::max() : r.vertices.size() / (r.planar ? 2 : 3);

@@ -504,7 +504,10 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled s
     const Job job = make_job(std::move(second));
     const Certificate::Verdict verdict = Certificate(run, job, result).prove();
     report.proven = verdict.proven;
-    if (report.proven) return report;
+    if (report.proven) {
+        report.tiny_faces = verdict.tiny_faces;
+        return report;
+    }
     // All seeds clip the cell in question.
     one.max_cells = 1;
     one.cell = verdict.fault.text.empty() ? verdict.unsettled.id : verdict.fault.id;
@@ -552,7 +555,8 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
         report = verify_endless(t, std::move(second), options);
     else {
         report = verify_cells(t, result, std::move(second), options);
-        if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, points);
+        if (t.stats().tiny_faces) report.tiny_faces = t.stats().tiny_faces;
+        if (!t.is_subset() && !report.tiny_faces) report.tiny_faces = count_tiny_faces(t, points);
     }
     report.proven &= report.passed;
     // Proofs compare all numbers; other checks compare rows, volumes and areas.
