@@ -48,38 +48,41 @@ std::uint64_t number_of_edge(std::uint64_t face, std::uint64_t from, std::uint64
 
 }  // namespace
 
-Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Result& result)
+Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless)
     : run_(run),
       job_(job),
       result_(result),
+      endless_(endless),
+      numbers_(endless.numbers == nullptr ? result : *endless.numbers),
+      tolerance_(double_tolerance.cell +
+                 (numbers_.stats.precision == Precision::single ? single_tolerance : double_tolerance).cell),
       rows_{result.indptr, result.indices, result.shifts},
       planes_(job),
       unscale_(1 / job.scale),
       pool_(0) {
     detail::for_arrays([&](const auto& array) {
         using Value = std::remove_cvref_t<decltype(array.of(result)[0])>;
-        has_places_ = has_places_ || (std::is_floating_point_v<Value> && array.name != "weights" && !array.of(result).empty());
+        has_places_ =
+            has_places_ || (std::is_floating_point_v<Value> && array.name != "weights" && !array.of(numbers_).empty());
     });
+    for (const exact::Plane& wall : planes_.domain().walls) {
+        const double length = length3(wall.seed);
+        walls_.push_back({wall.seed[0] / length, wall.seed[1] / length, wall.seed[2] / length,
+                          wall.kind == exact::Plane::Kind::wall ? wall.wall / length : -infinity});
+    }
     for (unsigned k = 0; k < pool_.size(); ++k) {
         workers_.push_back(std::make_unique<Worker>(planes_));
         workers_.back()->areas.begin(std::numeric_limits<double>::max());
     }
 }
 
-template <class Task>
-void Certificate::for_cells(const Task& task) {
-    const std::size_t count = result_.status.size();
-    pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
-        check_stop();
-        const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + 1 < end) prefetch(i + 1);
-            task(*workers_[worker], i);
-        }
-    });
+bool Certificate::is_live(std::int32_t id) const {
+    const auto i = static_cast<std::size_t>(id);
+    return id >= 0 && i < result_.status.size() && result_.status[i] == CellStatus::certified;
 }
 
-// Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere.
+// Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere. Inline, since compilers
+// drop calls of functions without another effect.
 void Certificate::prefetch(std::size_t i) const {
     const std::span<const double> points = job_.points.f64;
     for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !points.empty(); ++e)
@@ -94,6 +97,19 @@ void Certificate::prefetch(std::size_t i) const {
         __builtin_prefetch(&result_.vertices[3 * v]);
         __builtin_prefetch(&result_.vertices[3 * v + 2]);
     }
+}
+
+template <class Task>
+void Certificate::for_cells(const Task& task) {
+    const std::size_t count = result_.status.size();
+    pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
+        check_stop();
+        const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + 1 < end) prefetch(i + 1);
+            task(*workers_[worker], i);
+        }
+    });
 }
 
 Certificate::Verdict Certificate::prove() {
@@ -151,11 +167,6 @@ void Certificate::unsettle(Worker& w, std::size_t i, const char* why) {
     w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + ' ' + why; });
 }
 
-bool Certificate::is_live(std::int32_t id) const {
-    const auto i = static_cast<std::size_t>(id);
-    return id >= 0 && i < result_.status.size() && result_.status[i] == CellStatus::certified;
-}
-
 Name Certificate::name(std::size_t entry) const {
     if (rows_.shifts.empty()) return {rows_.indices[entry], {}};
     const FaceLabel label = rows_.label(entry);
@@ -195,7 +206,7 @@ bool Certificate::build(Worker& w, std::size_t i) {
     if (!add_row(w, i)) return false;
     w.has_polygons = wrap_polygons(w, i);
     const bool sure = w.has_polygons || polytope.wrap_surely();
-    find_walls(w, sure ? polytope.reach() : infinity);
+    find_walls(w, i, sure ? polytope.reach() : infinity);
     const std::span<const Worker::UnlistedWall> walls = w.walls;
     std::size_t next = 0;
     const auto wrap = [&] {
@@ -247,10 +258,17 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
 }
 
 // Finds the walls that are not among the planes of the polytope, except those surely out of reach.
-void Certificate::find_walls(Worker& w, double reach) const {
+void Certificate::find_walls(Worker& w, std::size_t i, double reach) const {
     w.walls.clear();
+    const exact::Point p = planes_.seed(i);
+    const double far = reach / w.polytope.unit() * (1 + 0x1p-40),
+                 rounding = 0x1p-40 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
     for (std::int32_t id = -1; - id <= planes_.walls(); --id) {
         if (!planes_.has_wall(id)) continue;
+        if (id < -6) {
+            const auto& [x, y, z, offset] = walls_[static_cast<std::size_t>(-7 - id)];
+            if (offset - (x * p[0] + y * p[1] + z * p[2]) > far + rounding + 0x1p-40 * std::abs(offset)) continue;
+        }
         const RoundedPlane plane = w.polytope.seen({id, {}});
         if (RowPolytope::is_out_of_reach(plane, reach)) continue;
         bool known = false;
@@ -291,14 +309,16 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     RowPolytope::Measures& m = w.measures;
     polytope.sharpen(has_places_ ? RowPolytope::sharp : 0x1p-36);
-    polytope.measure(m, !result_.centroids.empty());
+    polytope.measure(m, !numbers_.centroids.empty());
     const double unscale = unscale_ / polytope.unit(), square = unscale * unscale;
     add_areas(w);
     w.volume += m.volume * square * unscale;
     // The surface of a convex body is at most pi times the square of its diameter.
     const double wide = m.diameter + 2 * m.error, doubt = 3.2 * wide * wide * m.error;
     w.doubt += doubt * square * unscale;
-    const double tolerance = run_.tolerance.cell + double_tolerance.cell;
+    if (endless_.sides != nullptr)
+        for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
+            if (endless_.sides->has(result_.indices[e])) return;
     const auto compare = [&](const char* what, double given, double found, double allowed) {
         if (given == found || std::abs(given - found) <= allowed + 64 * smallest_double) return;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
@@ -306,28 +326,31 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
                    number(found);
         });
     };
-    if (!result_.volumes.empty())
-        compare("volume", result_.volumes[i], m.volume * square * unscale,
-                (tolerance * m.volume + doubt) * square * unscale);
-    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_areas.empty(); ++e)
-        compare("a face of area", result_.face_areas[e], m.areas[e - rows_.begin(i)] * square,
-                (tolerance * m.surface + 4 * m.error * wide) * square);
-    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_normals.empty(); ++e) {
-        const Vector3 normal = polytope.unit_normal(static_cast<int>(e - rows_.begin(i)));
-        for (std::size_t k = 0; k < 3; ++k)
-            compare("a normal with a component", result_.face_normals[3 * e + k], normal[k], tolerance);
+    if (!numbers_.volumes.empty())
+        compare("volume", numbers_.volumes[i], m.volume * square * unscale,
+                (tolerance_ * m.volume + doubt) * square * unscale);
+    std::size_t own = static_cast<std::size_t>(numbers_.indptr[i]);
+    for (std::size_t f = 0; f < rows_.end(i) - rows_.begin(i); ++f) {
+        if (polytope.name(static_cast<int>(f)).id < 0 && !numbers_.lists_walls) continue;
+        if (!numbers_.face_areas.empty())
+            compare("a face of area", numbers_.face_areas[own], m.areas[f] * square,
+                    (tolerance_ * m.surface + 4 * m.error * wide) * square);
+        const Vector3 normal = numbers_.face_normals.empty() ? Vector3{} : polytope.unit_normal(static_cast<int>(f));
+        for (std::size_t k = 0; k < 3 && !numbers_.face_normals.empty(); ++k)
+            compare("a normal with a component", numbers_.face_normals[3 * own + k], normal[k], tolerance_);
+        ++own;
     }
-    if (!result_.surface_areas.empty())
-        compare("surface", result_.surface_areas[i], m.surface * square,
-                (tolerance * m.surface + 4 * m.error * wide * polytope.planes()) * square);
-    if (!result_.security_radii.empty())
-        compare("a security radius of", result_.security_radii[i], 2 * m.reach * unscale,
-                (tolerance * m.reach + 4 * m.error) * unscale);
+    if (!numbers_.surface_areas.empty())
+        compare("surface", numbers_.surface_areas[i], m.surface * square,
+                (tolerance_ * m.surface + 4 * m.error * wide * polytope.planes()) * square);
+    if (!numbers_.security_radii.empty())
+        compare("a security radius of", numbers_.security_radii[i], 2 * m.reach * unscale,
+                (tolerance_ * m.reach + 4 * m.error) * unscale);
     const Vector3 place = planes_.place(i);
-    for (std::size_t k = 0; k < 3 && !result_.centroids.empty() && m.volume > 2 * doubt; ++k) {
+    for (std::size_t k = 0; k < 3 && !numbers_.centroids.empty() && m.volume > 2 * doubt; ++k) {
         const double x = (place[k] + m.centroid[k] / polytope.unit()) * unscale_;
-        compare("a coordinate of the centroid,", result_.centroids[3 * i + k], x,
-                (2 * doubt / m.volume + tolerance) * (wide + m.reach) * unscale + 0x1p-45 * std::abs(x));
+        compare("a coordinate of the centroid,", numbers_.centroids[3 * i + k], x,
+                (2 * doubt / m.volume + tolerance_) * (wide + m.reach) * unscale + 0x1p-45 * std::abs(x));
     }
     if (result_.face_counts.empty()) return;
     std::size_t faces = 0;
@@ -448,9 +471,8 @@ void Certificate::add_polygons(Worker& w, std::size_t i) const {
         if (id < 0) continue;
         const Worker::PlaneName& other = w.names[e - rows_.begin(i)];
         const bool is_first = self != id ? self < id : !other.is_before;
-        const std::uint64_t face =
-            is_first ? own.random * factor_c + other.random * factor_d + other.shift
-                     : other.random * factor_c + own.random * factor_d - other.shift;
+        const std::uint64_t face = is_first ? own.random * factor_c + other.random * factor_d + other.shift
+                                            : other.random * factor_c + own.random * factor_d - other.shift;
         const auto begin = static_cast<std::size_t>(result_.face_offsets[e]),
                    end = static_cast<std::size_t>(result_.face_offsets[e + 1]);
         const auto original = [&](std::size_t c) {
@@ -475,7 +497,9 @@ void Certificate::check_vertices(Worker& w, std::size_t i) const {
     for (std::size_t v = 0; v < w.vertices.size(); ++v) {
         const RowPolytope::Corner& corner = polytope.corners()[v];
         const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
-        const double length = std::sqrt(dot(corner.at, corner.at)) * per_unit;
+        const double square = dot(corner.at, corner.at);
+        const double length =
+            (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
         for (std::size_t k = 0; k < 3; ++k) {
             const double x = place[k] + corner.at[k] * per_unit, allowed = 2 * corner.error * per_unit +
                                                                            run_.tolerance.cell * length +
@@ -659,7 +683,7 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
         polytope.add({self, shift});
         polytope.add({self, {-shift[0], -shift[1], -shift[2]}});
     }
-    find_walls(w, infinity);
+    find_walls(w, i, infinity);
     for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
     for (int cuts = 0; cuts < max_cuts; ++cuts) {
         const Shape shape = polytope.wrap();
@@ -685,6 +709,7 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
 // Condition 3.
 void Certificate::check_volume(Worker& sum) {
     const double domain = job_.box_volume;
+    if (endless_.covered_once) return;
     const auto has = [&](CellStatus status) {
         return std::ranges::find(result_.status, status) != result_.status.end();
     };
@@ -692,9 +717,7 @@ void Certificate::check_volume(Worker& sum) {
         return unsettle(sum, 0, "has no cell, nor has any other");
     if (!has(CellStatus::certified) || (sum.volume + sum.doubt < 1.5 * domain && sum.doubt < 0.25 * domain)) return;
     if (!(sum.doubt < 0.25 * domain) || std::isinf(domain)) {
-        if (!is_covered_once())
-            sum.unsettled.note(
-                0, [] { return std::string("float64 cannot hold the volumes of the cells and the domain"); });
+        if (!is_covered_once()) sum.unsettled.note(0, [] { return std::string(no_volume); });
         return;
     }
     sum.fault.note(-1, [&] {
@@ -704,7 +727,7 @@ void Certificate::check_volume(Worker& sum) {
 }
 
 // Condition 3 where sums of volumes have lost their digits, as in domains that end far away. In a periodic domain all
-// images of all cells would have to be asked.
+// images of all cells would have to be asked; see Endless::covered_once.
 bool Certificate::is_covered_once() {
     Vector3 place;
     const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);

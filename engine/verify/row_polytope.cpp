@@ -502,15 +502,20 @@ RowPolytope::Shape RowPolytope::wrap_exactly() {
     std::set<std::vector<int>> known;
     for (int v = 0; v < static_cast<int>(corners_.size()); ++v) {
         const std::vector<int> through = tight_[at(v)];
+        int above = through.front(), below = above;  // planes beyond either end of the last line that is no edge
         for (std::size_t k = 0; k < through.size(); ++k)
             for (std::size_t l = k + 1; l < through.size(); ++l) {
                 const int a = through[k], b = through[l];
+                const auto turn = [&](int c) { return c == a || c == b ? 0 : orientation(a, b, c); };
+                if (turn(above) * turn(below) < 0) continue;
                 std::vector<int> along;  // planes that hold the line of a and b
                 bool positive = false, negative = false;
                 for (const int c : through) {
-                    const int turn = c == a || c == b ? 0 : orientation(a, b, c);
-                    if (turn == 0) along.push_back(c);
-                    positive |= turn > 0, negative |= turn < 0;
+                    const int sign = turn(c);
+                    if (sign == 0) along.push_back(c);
+                    if (sign > 0) positive = true, above = c;
+                    if (sign < 0) negative = true, below = c;
+                    if (positive && negative) break;
                 }
                 if (positive == negative || !known.insert(along).second) continue;  // no edge, or parallel planes
                 const int w = end_of_edge(v, a, b, positive ? -1 : 1);

@@ -60,7 +60,7 @@ public:
         Vector3 centroid{};
         double error = 0;           // bound on the rounding of corners
         std::vector<double> areas;  // of the faces, by plane
-        std::vector<int> anchors;  // a corner of each face
+        std::vector<int> anchors;   // a corner of each face
     };
 
     explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}
@@ -77,9 +77,9 @@ public:
     void add(const Name& name) { add(name, seen(name)); }
     void add(const Name& name, const RoundedPlane& plane);
 
-    // Takes the corners from polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1], from
-    // vertices[0] on. Returns false unless sure signs show that these are the polygons of the faces, with three faces
-    // at each corner: each runs once around its face, counterclockwise seen from outside.
+    // Takes the corners from polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1],
+    // from vertices[0] on. Returns false unless sure signs show that these are the polygons of the faces, with three
+    // faces at each corner: each runs once around its face, counterclockwise seen from outside.
     [[nodiscard]] bool wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
     // Returns the vertices of the last wrap_polygons(), by corner.
     [[nodiscard]] std::span<const std::int32_t> vertices() const { return vertices_; }
