@@ -16,7 +16,7 @@ using Name = RowPolytope::Name;
 using Shape = RowPolytope::Shape;
 
 constexpr std::size_t cells_at_once = 256;
-constexpr std::size_t buckets = std::size_t{1} << 14;
+constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
 constexpr std::size_t max_tried_places = 64;
 // Odd numbers without a pattern, which make sums of different terms differ.

@@ -12,7 +12,7 @@ namespace votess {
 namespace {
 
 constexpr int max_sure_planes = 512, max_exact_planes = 1000000, max_tried_planes = 40;
-constexpr std::size_t block_size = 64;
+constexpr std::size_t block_size = 64, crowd = 16;
 constexpr double filter_bound = 0x1p-45;
 constexpr double underflow = 0x1p-960;
 
@@ -81,7 +81,8 @@ bool RowPolytope::meet(int a, int b, int c, Corner& corner) const {
     corner.constant = filter_bound * m * inverse;
     corner.slope = corner.constant * (distance_[at(a)] + distance_[at(b)] + distance_[at(c)]);
     // The error of W moves the corner along its own direction, which no slack of n.X - d W sees.
-    corner.error = corner.slope + corner.constant * length3(corner.at[0], corner.at[1], corner.at[2]);
+    const double square = dot(corner.at, corner.at);
+    corner.error = corner.slope + corner.constant * (square > underflow ? std::sqrt(square) : length3(corner.at));
     corner.planes = {a, b, c};
     return w > filter_bound * m;
 }
@@ -441,6 +442,7 @@ int RowPolytope::corner_of(const Corner& corner, const std::vector<int>& through
     if (is_new) {
         corners_.push_back(corner);
         tight_.push_back(through);
+        if (through.size() > crowd) crowded_.push_back(known->second);
     }
     return known->second;
 }
@@ -486,14 +488,22 @@ int RowPolytope::end_of_edge(int from, int a, int b, int sign) {
     // A plane that cuts off the corner meets the ray before it.
     Corner corner;
     std::vector<int> through;
-    for (int cut = place(a, b, c, corner, through); cut >= 0; cut = place(a, b, c, corner, through)) c = cut;
-    return corner_of(corner, through);
+    while (true) {
+        for (const int v : crowded_)
+            if (std::ranges::all_of(std::array{a, b, c},
+                                    [&](int f) { return std::ranges::binary_search(tight_[at(v)], f); }))
+                return v;
+        const int cut = place(a, b, c, corner, through);
+        if (cut < 0) return corner_of(corner, through);
+        c = cut;
+    }
 }
 
 RowPolytope::Shape RowPolytope::wrap_exactly() {
     corners_.clear();
     edges_.clear();
     tight_.clear();
+    crowded_.clear();
     corner_through_.clear();
     rays_.clear();
     faces_.assign(names_.size(), 0);
