@@ -16,7 +16,7 @@ using Name = RowPolytope::Name;
 using Shape = RowPolytope::Shape;
 
 constexpr std::size_t cells_at_once = 256;
-constexpr std::size_t buckets = std::size_t{1} << 14;
+constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
 constexpr std::size_t max_tried_places = 64;
 // Odd numbers without a pattern, which make sums of different terms differ.
@@ -25,7 +25,7 @@ constexpr std::uint64_t factor_a = 0x8ebc6af09c88c6e3, factor_b = 0x589965cc7537
 
 std::string text_of(const Name& name) {
     std::string text = std::to_string(name.id);
-    if (name.shift != exact::Shift{})
+    if (!is_zero(name.shift))
         text += " (shift " + std::to_string(name.shift[0]) + " " + std::to_string(name.shift[1]) + " " +
                 std::to_string(name.shift[2]) + ")";
     return text;
@@ -41,17 +41,62 @@ std::uint64_t number_of(const exact::Shift& shift) {
            static_cast<std::uint64_t>(shift[2]) * factor_c;
 }
 
+// Returns a number that names an edge of a polygon.
+std::uint64_t number_of_edge(std::uint64_t face, std::uint64_t from, std::uint64_t to) {
+    return scrambled(face + from * factor_a + to * factor_b);
+}
+
 }  // namespace
 
-Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Result& result)
+Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless)
     : run_(run),
       job_(job),
       result_(result),
+      endless_(endless),
+      numbers_(endless.numbers == nullptr ? result : *endless.numbers),
+      tolerance_(double_tolerance.cell +
+                 (numbers_.stats.precision == Precision::single ? single_tolerance : double_tolerance).cell),
       rows_{result.indptr, result.indices, result.shifts},
       planes_(job),
       unscale_(1 / job.scale),
       pool_(0) {
-    for (unsigned k = 0; k < pool_.size(); ++k) workers_.push_back(std::make_unique<Worker>(planes_));
+    detail::for_arrays([&](const auto& array) {
+        using Value = std::remove_cvref_t<decltype(array.of(result)[0])>;
+        has_places_ =
+            has_places_ || (std::is_floating_point_v<Value> && array.name != "weights" && !array.of(numbers_).empty());
+    });
+    for (const exact::Plane& wall : planes_.domain().walls) {
+        const double length = length3(wall.seed);
+        walls_.push_back({wall.seed[0] / length, wall.seed[1] / length, wall.seed[2] / length,
+                          wall.kind == exact::Plane::Kind::wall ? wall.wall / length : -infinity});
+    }
+    for (unsigned k = 0; k < pool_.size(); ++k) {
+        workers_.push_back(std::make_unique<Worker>(planes_));
+        workers_.back()->areas.begin(std::numeric_limits<double>::max());
+    }
+}
+
+bool Certificate::is_live(std::int32_t id) const {
+    const auto i = static_cast<std::size_t>(id);
+    return id >= 0 && i < result_.status.size() && result_.status[i] == CellStatus::certified;
+}
+
+// Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere. Inline, since compilers
+// drop calls of functions without another effect.
+void Certificate::prefetch(std::size_t i) const {
+    const std::span<const double> points = job_.points.f64;
+    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !points.empty(); ++e)
+        if (is_live(result_.indices[e])) {
+            const double* const seed = &points[3 * static_cast<std::size_t>(result_.indices[e])];
+            __builtin_prefetch(seed);
+            __builtin_prefetch(seed + 2);
+        }
+    if (result_.cell_vertex_indptr.empty() || result_.vertices.empty()) return;
+    for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c) {
+        const auto v = static_cast<std::size_t>(result_.cell_vertex_indices[static_cast<std::size_t>(c)]);
+        __builtin_prefetch(&result_.vertices[3 * v]);
+        __builtin_prefetch(&result_.vertices[3 * v + 2]);
+    }
 }
 
 template <class Task>
@@ -60,7 +105,10 @@ void Certificate::for_cells(const Task& task) {
     pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
         check_stop();
         const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
-        for (std::size_t i = begin; i < end; ++i) task(*workers_[worker], i);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + 1 < end) prefetch(i + 1);
+            task(*workers_[worker], i);
+        }
     });
 }
 
@@ -80,6 +128,7 @@ Certificate::Verdict Certificate::prove() {
             check_other(w, i);
     });
     Worker sum(planes_);
+    sum.areas.begin(0);
     open_names_.assign(buckets, 0);
     const auto combine = [&] {
         for (auto& w : workers_) {
@@ -91,6 +140,7 @@ Certificate::Verdict Certificate::prove() {
     for (auto& w : workers_) {
         for (std::size_t k = 0; k < buckets; ++k) open_names_[k] += w->sums[k];
         sum.polygons += w->polygons;
+        sum.areas.add(w->areas);
         sum.volume += w->volume;
         sum.doubt += w->doubt;
     }
@@ -103,6 +153,7 @@ Certificate::Verdict Certificate::prove() {
         });
     Verdict verdict;
     verdict.proven = combine();
+    verdict.tiny_faces = sum.areas.count();
     if (verdict.proven && sum.polygons != 0) {
         verdict.proven = false;
         sum.fault.note(-1, [] { return std::string("two cells have different polygons between them"); });
@@ -116,12 +167,8 @@ void Certificate::unsettle(Worker& w, std::size_t i, const char* why) {
     w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + ' ' + why; });
 }
 
-bool Certificate::is_live(std::int32_t id) const {
-    const auto i = static_cast<std::size_t>(id);
-    return id >= 0 && i < result_.status.size() && result_.status[i] == CellStatus::certified;
-}
-
 Name Certificate::name(std::size_t entry) const {
+    if (rows_.shifts.empty()) return {rows_.indices[entry], {}};
     const FaceLabel label = rows_.label(entry);
     return {label.id, {label.shift[0], label.shift[1], label.shift[2]}};
 }
@@ -147,6 +194,7 @@ void Certificate::check_cell(Worker& w, std::size_t i) {
         });
     if (!build(w, i)) return;
     check_numbers(w, i);
+    name_planes(w, i);
     if (!result_.face_offsets.empty()) check_polygons(w, i);
     add_names(w, i);
 }
@@ -156,23 +204,27 @@ void Certificate::check_cell(Worker& w, std::size_t i) {
 bool Certificate::build(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     if (!add_row(w, i)) return false;
-    find_walls(w);
+    w.has_polygons = wrap_polygons(w, i);
+    const bool sure = w.has_polygons || polytope.wrap_surely();
+    find_walls(w, i, sure ? polytope.reach() : infinity);
     const std::span<const Worker::UnlistedWall> walls = w.walls;
     std::size_t next = 0;
     const auto wrap = [&] {
-        if (polytope.wrap_surely()) return Shape::solid;
         return polytope.seems_open() && next < walls.size() ? Shape::open : polytope.wrap_exactly();
     };
-    Shape shape = wrap();
+    Shape shape = sure ? Shape::solid : wrap();
     if (shape != Shape::solid) std::ranges::sort(w.walls, {}, &Worker::UnlistedWall::distance);
     for (std::size_t most = 12; next < walls.size() && shape != Shape::flat && shape != Shape::repeated; most *= 2) {
         const int before = polytope.planes();
+        const double reach = shape == Shape::solid ? polytope.reach() : infinity;
         for (std::size_t added = 0; next < walls.size() && added < most; ++next) {
-            if (shape == Shape::solid && polytope.is_beyond(walls[next].plane)) continue;
+            if (shape == Shape::solid && polytope.is_beyond(walls[next].plane, reach)) continue;
             polytope.add({walls[next].id, {}}, walls[next].plane);
             ++added;
         }
-        if (polytope.planes() > before) shape = wrap();
+        if (polytope.planes() == before) continue;
+        w.has_polygons = false;
+        shape = polytope.wrap_surely() ? Shape::solid : wrap();
     }
     return check_faces(w, i, shape);
 }
@@ -182,9 +234,9 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
     w.polytope.begin(i, is_live(nearest.id) ? planes_.rounded(i, nearest.id, nearest.shift).length : 1);
     for (std::size_t entry = rows_.begin(i); entry < rows_.end(i); ++entry) {
         const Name other = name(entry);
-        const bool itself = other.id == static_cast<std::int32_t>(i) && other.shift == exact::Shift{};
+        const bool itself = other.id == static_cast<std::int32_t>(i) && is_zero(other.shift);
         bool exists = other.id < 0 ? planes_.has_wall(other.id) : is_live(other.id) && !itself;
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < 3 && !is_zero(other.shift); ++k)
             exists &= other.shift[k] == 0 || (other.id >= 0 && planes_.domain().periodic[k]);
         if (!exists) {
             w.fault.note(static_cast<std::int64_t>(i), [&] {
@@ -205,16 +257,23 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
     return true;
 }
 
-// Finds the walls that are not among the planes of the polytope.
-void Certificate::find_walls(Worker& w) const {
+// Finds the walls that are not among the planes of the polytope, except those surely out of reach.
+void Certificate::find_walls(Worker& w, std::size_t i, double reach) const {
     w.walls.clear();
+    const exact::Point p = planes_.seed(i);
+    const double far = reach / w.polytope.unit() * (1 + 0x1p-40),
+                 rounding = 0x1p-40 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
     for (std::int32_t id = -1; - id <= planes_.walls(); --id) {
         if (!planes_.has_wall(id)) continue;
+        if (id < -6) {
+            const auto& [x, y, z, offset] = walls_[static_cast<std::size_t>(-7 - id)];
+            if (offset - (x * p[0] + y * p[1] + z * p[2]) > far + rounding + 0x1p-40 * std::abs(offset)) continue;
+        }
+        const RoundedPlane plane = w.polytope.seen({id, {}});
+        if (RowPolytope::is_out_of_reach(plane, reach)) continue;
         bool known = false;
         for (int f = 0; f < w.polytope.planes() && w.polytope.name(f).id < 0; ++f) known |= w.polytope.name(f).id == id;
-        if (known) continue;
-        const RoundedPlane plane = w.polytope.seen({id, {}});
-        w.walls.push_back({id, plane.d / plane.length, plane});
+        if (!known) w.walls.push_back({id, plane.d / plane.length, plane});
     }
 }
 
@@ -249,13 +308,17 @@ bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
 void Certificate::check_numbers(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     RowPolytope::Measures& m = w.measures;
-    polytope.measure(m);
+    polytope.sharpen(has_places_ ? RowPolytope::sharp : 0x1p-36);
+    polytope.measure(m, !numbers_.centroids.empty());
     const double unscale = unscale_ / polytope.unit(), square = unscale * unscale;
+    add_areas(w);
     w.volume += m.volume * square * unscale;
     // The surface of a convex body is at most pi times the square of its diameter.
     const double wide = m.diameter + 2 * m.error, doubt = 3.2 * wide * wide * m.error;
     w.doubt += doubt * square * unscale;
-    const double tolerance = run_.tolerance.cell + double_tolerance.cell;
+    if (endless_.sides != nullptr)
+        for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
+            if (endless_.sides->has(result_.indices[e])) return;
     const auto compare = [&](const char* what, double given, double found, double allowed) {
         if (given == found || std::abs(given - found) <= allowed + 64 * smallest_double) return;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
@@ -263,28 +326,31 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
                    number(found);
         });
     };
-    if (!result_.volumes.empty())
-        compare("volume", result_.volumes[i], m.volume * square * unscale,
-                (tolerance * m.volume + doubt) * square * unscale);
-    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_areas.empty(); ++e)
-        compare("a face of area", result_.face_areas[e], m.areas[e - rows_.begin(i)] * square,
-                (tolerance * m.surface + 4 * m.error * wide) * square);
-    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_normals.empty(); ++e) {
-        const Vector3 normal = polytope.unit_normal(static_cast<int>(e - rows_.begin(i)));
-        for (std::size_t k = 0; k < 3; ++k)
-            compare("a normal with a component", result_.face_normals[3 * e + k], normal[k], tolerance);
+    if (!numbers_.volumes.empty())
+        compare("volume", numbers_.volumes[i], m.volume * square * unscale,
+                (tolerance_ * m.volume + doubt) * square * unscale);
+    std::size_t own = static_cast<std::size_t>(numbers_.indptr[i]);
+    for (std::size_t f = 0; f < rows_.end(i) - rows_.begin(i); ++f) {
+        if (polytope.name(static_cast<int>(f)).id < 0 && !numbers_.lists_walls) continue;
+        if (!numbers_.face_areas.empty())
+            compare("a face of area", numbers_.face_areas[own], m.areas[f] * square,
+                    (tolerance_ * m.surface + 4 * m.error * wide) * square);
+        const Vector3 normal = numbers_.face_normals.empty() ? Vector3{} : polytope.unit_normal(static_cast<int>(f));
+        for (std::size_t k = 0; k < 3 && !numbers_.face_normals.empty(); ++k)
+            compare("a normal with a component", numbers_.face_normals[3 * own + k], normal[k], tolerance_);
+        ++own;
     }
-    if (!result_.surface_areas.empty())
-        compare("surface", result_.surface_areas[i], m.surface * square,
-                (tolerance * m.surface + 4 * m.error * wide * polytope.planes()) * square);
-    if (!result_.security_radii.empty())
-        compare("a security radius of", result_.security_radii[i], 2 * m.reach * unscale,
-                (tolerance * m.reach + 4 * m.error) * unscale);
+    if (!numbers_.surface_areas.empty())
+        compare("surface", numbers_.surface_areas[i], m.surface * square,
+                (tolerance_ * m.surface + 4 * m.error * wide * polytope.planes()) * square);
+    if (!numbers_.security_radii.empty())
+        compare("a security radius of", numbers_.security_radii[i], 2 * m.reach * unscale,
+                (tolerance_ * m.reach + 4 * m.error) * unscale);
     const Vector3 place = planes_.place(i);
-    for (std::size_t k = 0; k < 3 && !result_.centroids.empty() && m.volume > 2 * doubt; ++k) {
+    for (std::size_t k = 0; k < 3 && !numbers_.centroids.empty() && m.volume > 2 * doubt; ++k) {
         const double x = (place[k] + m.centroid[k] / polytope.unit()) * unscale_;
-        compare("a coordinate of the centroid,", result_.centroids[3 * i + k], x,
-                (2 * doubt / m.volume + tolerance) * (wide + m.reach) * unscale + 0x1p-45 * std::abs(x));
+        compare("a coordinate of the centroid,", numbers_.centroids[3 * i + k], x,
+                (2 * doubt / m.volume + tolerance_) * (wide + m.reach) * unscale + 0x1p-45 * std::abs(x));
     }
     if (result_.face_counts.empty()) return;
     std::size_t faces = 0;
@@ -297,18 +363,54 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     count("a number of vertices", result_.vertex_counts[i], polytope.corners().size());
 }
 
-// A vertex of the result has the name of a corner if the same faces meet there. The directed edges of all polygons, as
-// pairs of names, must be those of the faces; then each polygon runs once around its face. Sums of random numbers
-// compare them, and the polygons of both cells of a face.
+// Counts the areas of faces with other cells.
+void Certificate::add_areas(Worker& w) {
+    std::vector<double>& areas = w.measures.areas;
+    const double per_square = 1 / (w.polytope.unit() * w.polytope.unit());
+    w.seed_areas.clear();
+    for (int f = 0; f < w.polytope.planes(); ++f)
+        if (w.polytope.name(f).id >= 0)
+            w.seed_areas.push_back(std::max(areas[static_cast<std::size_t>(f)], 0.0) * per_square);
+    w.areas.add(w.seed_areas);
+}
+
+// Tries to take the corners of P_i from the polygons of its row.
+bool Certificate::wrap_polygons(Worker& w, std::size_t i) const {
+    if (result_.face_offsets.empty()) return false;
+    const std::span<const std::int64_t> offsets(result_.face_offsets.data() + rows_.begin(i),
+                                                rows_.end(i) - rows_.begin(i) + 1);
+    const std::span<const std::int32_t> all = result_.face_vertices;
+    return w.polytope.wrap_polygons(offsets, all.subspan(static_cast<std::size_t>(offsets.front()),
+                                                         static_cast<std::size_t>(offsets.back() - offsets.front())));
+}
+
 void Certificate::check_polygons(Worker& w, std::size_t i) {
-    const RowPolytope& polytope = w.polytope;
-    const auto fault = [&] {
+    if (w.has_polygons)
+        w.vertices.assign(w.polytope.vertices().begin(), w.polytope.vertices().end());
+    else if (!find_vertices(w, i)) {
         w.fault.note(static_cast<std::int64_t>(i),
                      [&] { return "cell " + std::to_string(i) + " has polygons that are not those of its faces"; });
-    };
-    const auto edge = [](std::uint64_t face, std::uint64_t from, std::uint64_t to) {
-        return scrambled(face + from * factor_a + to * factor_b);
-    };
+        return;
+    }
+    add_polygons(w, i);
+    if (!result_.cell_vertex_indptr.empty()) {
+        std::uint64_t sum = 0;
+        for (const std::int32_t v : w.vertices) sum += random_of(v);
+        for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c)
+            sum -= random_of(result_.cell_vertex_indices[static_cast<std::size_t>(c)]);
+        if (sum != 0)
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "cell " + std::to_string(i) + " lists other vertices than those of its polygons";
+            });
+    }
+    if (!result_.vertices.empty()) check_vertices(w, i);
+}
+
+// Finds the vertices of corners. A vertex of the result has the name of a corner if the same faces meet there. The
+// directed edges of all polygons, as pairs of names, must be those of the faces; then each polygon runs once around its
+// face. Sums of random numbers compare them.
+bool Certificate::find_vertices(Worker& w, std::size_t i) const {
+    const RowPolytope& polytope = w.polytope;
     w.keys.clear();
     for (int f = 0; f < polytope.planes(); ++f) w.keys.push_back(scrambled(static_cast<std::uint64_t>(f)));
     w.corner_keys.assign(polytope.corners().size(), 0);
@@ -319,82 +421,93 @@ void Certificate::check_polygons(Worker& w, std::size_t i) {
     for (const RowPolytope::Edge& e : polytope.edges()) {
         const std::uint64_t from = w.corner_keys[static_cast<std::size_t>(e.from)],
                             to = w.corner_keys[static_cast<std::size_t>(e.to)];
-        sum += edge(w.keys[static_cast<std::size_t>(e.left)], from, to) +
-               edge(w.keys[static_cast<std::size_t>(e.right)], to, from);
+        sum += number_of_edge(w.keys[static_cast<std::size_t>(e.left)], from, to) +
+               number_of_edge(w.keys[static_cast<std::size_t>(e.right)], to, from);
     }
     const std::size_t first = static_cast<std::size_t>(result_.face_offsets[rows_.begin(i)]),
                       last = static_cast<std::size_t>(result_.face_offsets[rows_.end(i)]);
     std::size_t size = 16;
     while (size < 2 * polytope.corners().size()) size *= 2;
-    w.vertices.assign(size, {-1, 0});
+    w.found.assign(size, {-1, 0});
     std::size_t used = 0;
     const auto find = [&](std::int32_t id) -> Worker::Vertex* {
         std::size_t k = (static_cast<std::uint32_t>(id) * 0x9e3779b1u >> 8) & (size - 1);
-        while (w.vertices[k].id != id && w.vertices[k].id != -1) k = (k + 1) & (size - 1);
-        if (w.vertices[k].id == -1) {
+        while (w.found[k].id != id && w.found[k].id != -1) k = (k + 1) & (size - 1);
+        if (w.found[k].id == -1) {
             if (id < 0 || ++used > polytope.corners().size()) return nullptr;
-            w.vertices[k].id = id;
+            w.found[k].id = id;
         }
-        return &w.vertices[k];
+        return &w.found[k];
     };
-    if (last - first != 2 * polytope.edges().size()) return fault();
+    if (last - first != 2 * polytope.edges().size()) return false;
     for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
         for (auto c = result_.face_offsets[e]; c < result_.face_offsets[e + 1]; ++c) {
             Worker::Vertex* vertex = find(result_.face_vertices[static_cast<std::size_t>(c)]);
-            if (vertex == nullptr) return fault();
+            if (vertex == nullptr) return false;
             vertex->key += w.keys[e - rows_.begin(i)];
         }
-    const auto original = [&](std::int32_t v) {
-        return static_cast<std::uint64_t>(
-            result_.vertex_image_of.empty() ? v : result_.vertex_image_of[static_cast<std::size_t>(v)]);
-    };
     for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e) {
-        const Name other = name(e);
-        exact::Shift back;
-        for (std::size_t k = 0; k < 3; ++k) back[k] = -other.shift[k];
-        const auto self = static_cast<std::int32_t>(i);
-        const bool is_first = self != other.id ? self < other.id : back < other.shift;
-        const std::uint64_t face = random_of(std::min(self, other.id)) * factor_c +
-                                   random_of(std::max(self, other.id)) * factor_d +
-                                   number_of(is_first ? other.shift : back);
         const auto begin = static_cast<std::size_t>(result_.face_offsets[e]),
                    end = static_cast<std::size_t>(result_.face_offsets[e + 1]);
+        for (std::size_t c = begin; c < end; ++c)
+            sum -= number_of_edge(w.keys[e - rows_.begin(i)], find(result_.face_vertices[c])->key,
+                                  find(result_.face_vertices[c + 1 == end ? begin : c + 1])->key);
+    }
+    if (sum != 0) return false;
+    std::ranges::sort(w.found, {}, &Worker::Vertex::key);
+    w.vertices.clear();
+    for (const std::uint64_t key : w.corner_keys)
+        w.vertices.push_back(std::ranges::lower_bound(w.found, key, {}, &Worker::Vertex::key)->id);
+    return true;
+}
+
+// Adds the polygons, as directed edges, to sums that are 0 if both cells of each face have the same.
+void Certificate::add_polygons(Worker& w, std::size_t i) const {
+    const auto self = static_cast<std::int32_t>(i);
+    const Worker::PlaneName& own = w.names.back();
+    const std::int32_t* const images = result_.vertex_image_of.empty() ? nullptr : result_.vertex_image_of.data();
+    for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e) {
+        const std::int32_t id = result_.indices[e];
+        if (id < 0) continue;
+        const Worker::PlaneName& other = w.names[e - rows_.begin(i)];
+        const bool is_first = self != id ? self < id : !other.is_before;
+        const std::uint64_t face = is_first ? own.random * factor_c + other.random * factor_d + other.shift
+                                            : other.random * factor_c + own.random * factor_d - other.shift;
+        const auto begin = static_cast<std::size_t>(result_.face_offsets[e]),
+                   end = static_cast<std::size_t>(result_.face_offsets[e + 1]);
+        const auto original = [&](std::size_t c) {
+            const std::int32_t v = result_.face_vertices[c];
+            return static_cast<std::uint64_t>(images == nullptr ? v : images[v]);
+        };
+        std::uint64_t sum = 0, before = original(end - 1);
         for (std::size_t c = begin; c < end; ++c) {
-            const std::int32_t a = result_.face_vertices[c], b = result_.face_vertices[c + 1 == end ? begin : c + 1];
-            sum -= edge(w.keys[e - rows_.begin(i)], find(a)->key, find(b)->key);
-            if (other.id < 0) continue;
-            w.polygons += is_first ? edge(face, original(a), original(b)) : -edge(face, original(b), original(a));
+            const std::uint64_t next = original(c);
+            sum += is_first ? number_of_edge(face, before, next) : -number_of_edge(face, next, before);
+            before = next;
         }
+        w.polygons += sum;
     }
-    if (sum != 0) return fault();
-    if (!result_.cell_vertex_indptr.empty()) {
-        std::uint64_t corners = 0;
-        for (const std::uint64_t key : w.corner_keys) corners += scrambled(key);
-        for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c)
-            if (const Worker::Vertex* vertex = find(result_.cell_vertex_indices[static_cast<std::size_t>(c)]))
-                corners -= scrambled(vertex->key);
-        if (corners != 0)
-            w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "cell " + std::to_string(i) + " lists other vertices than those of its polygons";
-            });
-    }
-    if (result_.vertices.empty()) return;
+}
+
+// Compares the places of vertices with the corners.
+void Certificate::check_vertices(Worker& w, std::size_t i) const {
+    const RowPolytope& polytope = w.polytope;
     const Vector3 place = planes_.place(i);
-    std::ranges::sort(w.vertices, {}, &Worker::Vertex::key);
-    for (std::size_t v = 0; v < w.corner_keys.size(); ++v) {
-        const auto vertex = std::ranges::lower_bound(w.vertices, w.corner_keys[v], {}, &Worker::Vertex::key);
+    const double per_unit = 1 / polytope.unit();
+    for (std::size_t v = 0; v < w.vertices.size(); ++v) {
         const RowPolytope::Corner& corner = polytope.corners()[v];
-        const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex->id)];
-        const double per_unit = 1 / polytope.unit(),
-                     length = length3(corner.at[0], corner.at[1], corner.at[2]) * per_unit;
+        const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
+        const double square = dot(corner.at, corner.at);
+        const double length =
+            (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
         for (std::size_t k = 0; k < 3; ++k) {
             const double x = place[k] + corner.at[k] * per_unit, allowed = 2 * corner.error * per_unit +
                                                                            run_.tolerance.cell * length +
                                                                            0x1p-48 * (std::abs(x) + length);
             if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
             w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "vertex " + std::to_string(vertex->id) + " of cell " + std::to_string(i) + " has " + "xyz"[k] +
-                       " = " + number(given[k]) + ", its faces meet at " + number(x * unscale_);
+                return "vertex " + std::to_string(w.vertices[v]) + " of cell " + std::to_string(i) + " has " +
+                       "xyz"[k] + " = " + number(given[k]) + ", its faces meet at " + number(x * unscale_);
             });
         }
     }
@@ -414,7 +527,6 @@ void Certificate::name_planes(Worker& w, std::size_t i) const {
 // Adds the names of corners in general position, condition 2.
 void Certificate::add_names(Worker& w, std::size_t i) {
     const RowPolytope& polytope = w.polytope;
-    name_planes(w, i);
     for (int v = 0; v < static_cast<int>(polytope.corners().size()); ++v) {
         if (polytope.through(v).size() > 3) {
             check_corner(w, i, v);
@@ -571,7 +683,7 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
         polytope.add({self, shift});
         polytope.add({self, {-shift[0], -shift[1], -shift[2]}});
     }
-    find_walls(w);
+    find_walls(w, i, infinity);
     for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
     for (int cuts = 0; cuts < max_cuts; ++cuts) {
         const Shape shape = polytope.wrap();
@@ -597,6 +709,7 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
 // Condition 3.
 void Certificate::check_volume(Worker& sum) {
     const double domain = job_.box_volume;
+    if (endless_.covered_once) return;
     const auto has = [&](CellStatus status) {
         return std::ranges::find(result_.status, status) != result_.status.end();
     };
@@ -604,9 +717,7 @@ void Certificate::check_volume(Worker& sum) {
         return unsettle(sum, 0, "has no cell, nor has any other");
     if (!has(CellStatus::certified) || (sum.volume + sum.doubt < 1.5 * domain && sum.doubt < 0.25 * domain)) return;
     if (!(sum.doubt < 0.25 * domain) || std::isinf(domain)) {
-        if (!is_covered_once())
-            sum.unsettled.note(
-                0, [] { return std::string("float64 cannot hold the volumes of the cells and the domain"); });
+        if (!is_covered_once()) sum.unsettled.note(0, [] { return std::string(no_volume); });
         return;
     }
     sum.fault.note(-1, [&] {
@@ -616,7 +727,7 @@ void Certificate::check_volume(Worker& sum) {
 }
 
 // Condition 3 where sums of volumes have lost their digits, as in domains that end far away. In a periodic domain all
-// images of all cells would have to be asked.
+// images of all cells would have to be asked; see Endless::covered_once.
 bool Certificate::is_covered_once() {
     Vector3 place;
     const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);
@@ -646,6 +757,7 @@ std::optional<std::size_t> Certificate::find_place(Vector3& place) {
     for (std::size_t i = 0; i < result_.status.size() && tried < max_tried_places; ++i) {
         if (result_.status[i] != CellStatus::certified || !build(w, i)) continue;
         ++tried;
+        w.polytope.sharpen(RowPolytope::sharp);
         w.polytope.measure(w.measures);
         const double per_unit = 1 / w.polytope.unit(), reach = w.measures.reach * per_unit;
         if (!(reach < least)) continue;

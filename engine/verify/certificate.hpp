@@ -7,7 +7,8 @@
 //   2. i lists j with a shift exactly if j lists i with the opposite shift (RowChecker), and the face of P_i with j is
 //      that of P_j with i;
 //   3. the volumes of all P_i sum to less than 1.5 times that of D (check_volume()), or some place of D lies inside one
-//      P_i and outside of all others (is_covered_once());
+//      P_i and outside of all others (is_covered_once()), or the P_i lie within those of a proven diagram in a part of
+//      D (lists_those_near());
 //   4. each seed without a cell lies outside of D, or at the place of an equal or heavier one, or some other seeds and
 //      walls leave it no volume (check_other(), check_hidden()).
 // Then the rows are right. Proof. Follow a path in D that meets no edge of any P_i. By 1 and 2 it leaves one P_i
@@ -35,8 +36,10 @@
 #include <vector>
 
 #include "core/thread_pool.hpp"
+#include "output/small_faces.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
+#include "unbounded/endless_box.hpp"
 #include "verify/reported_cell.hpp"
 #include "verify/row_polytope.hpp"
 
@@ -46,12 +49,20 @@ class Certificate {
 public:
     struct Verdict {
         bool proven = false;
-        Fault fault;      // of a cell, or of -1: of all together
-        Fault unsettled;  // why a cell is neither proven nor certainly wrong
+        std::uint64_t tiny_faces = 0;  // as in Stats
+        Fault fault;                   // of a cell, or of -1: of all together
+        Fault unsettled;               // why a cell is neither proven nor certainly wrong
     };
+    // What a domain without end adds, whose far box is proven.
+    struct Endless {
+        const detail::Result* numbers = nullptr;  // whose numbers are compared where a cell has an end; rows match
+        const EndlessSides* sides = nullptr;      // where the domain has no end
+        bool covered_once = false;                // condition 3 is known to hold
+    };
+    static constexpr const char* no_volume = "float64 cannot hold the volumes of the cells and the domain";
     // job: of the points of the result, and its domain. Rows must ascend and be symmetric. All must outlive this
     // object.
-    Certificate(const CheckedRun& run, const Job& job, const detail::Result& result);
+    Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless);
     // Proves all cells on all threads. Throws `cancelled`.
     [[nodiscard]] Verdict prove();
 
@@ -76,7 +87,11 @@ private:
             std::int32_t id;
             std::uint64_t key;
         };
-        std::vector<Vertex> vertices;
+        std::vector<Vertex> found;
+        bool has_polygons = false;           // the polytope is that of polygons
+        std::vector<std::int32_t> vertices;  // by corner
+        FaceTally areas;
+        std::vector<double> seed_areas;
         struct UnlistedWall {
             std::int32_t id;
             double distance;  // from the seed
@@ -87,15 +102,21 @@ private:
 
     template <class Task>
     void for_cells(const Task& task);
+    [[gnu::always_inline]] inline void prefetch(std::size_t i) const;
     [[nodiscard]] bool is_live(std::int32_t id) const;
     [[nodiscard]] RowPolytope::Name name(std::size_t entry) const;
     void check_cell(Worker& w, std::size_t i);
     [[nodiscard]] bool build(Worker& w, std::size_t i);
     [[nodiscard]] bool add_row(Worker& w, std::size_t i);
-    void find_walls(Worker& w) const;
+    [[nodiscard]] bool wrap_polygons(Worker& w, std::size_t i) const;
+    void find_walls(Worker& w, std::size_t i, double reach) const;
     [[nodiscard]] bool check_faces(Worker& w, std::size_t i, RowPolytope::Shape shape);
     void check_numbers(Worker& w, std::size_t i);
+    static void add_areas(Worker& w);
     void check_polygons(Worker& w, std::size_t i);
+    [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;
+    void add_polygons(Worker& w, std::size_t i) const;
+    void check_vertices(Worker& w, std::size_t i) const;
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
     void check_names(Worker& w, std::size_t i);
@@ -116,9 +137,15 @@ private:
     const CheckedRun& run_;
     const Job& job_;
     const detail::Result& result_;
+    Endless endless_;
+    const detail::Result& numbers_;
+    double tolerance_;  // of numbers
     Rows rows_;
     SeedPlanes planes_;
     double unscale_;
+    std::vector<std::array<double, 4>>
+        walls_;                // of the domain beside its sides: outward normal of length 1, and offset
+    bool has_places_ = false;  // or other numbers that are compared
     ThreadPool pool_;
     std::vector<std::unique_ptr<Worker>> workers_;
     std::vector<std::uint64_t> open_names_;  // sums over all workers, by bucket

@@ -52,8 +52,11 @@ VOTESS_INLINE Hit first_hit_body(const PlaneArrays& planes, const double* slack,
         first = nearer ? index : first;
     }
     Hit hit{static_cast<int>(first[0]), least[0]};
-    for (std::size_t k = 1; k < plane_lanes; ++k)
-        if (least[k] < hit.time) hit = {static_cast<int>(first[k]), least[k]};
+    for (std::size_t k = 1; k < plane_lanes; ++k) {
+        const bool nearer = least[k] < hit.time;  // without a branch, which nothing foretells
+        hit.plane = nearer ? static_cast<int>(first[k]) : hit.plane;
+        hit.time = nearer ? least[k] : hit.time;
+    }
     return hit;
 }
 

@@ -41,8 +41,7 @@ void add(std::array<std::uint64_t, 2>& sums, const Entry& entry) {
     for (std::size_t s = 0; s < sums.size(); ++s) {
         std::uint64_t h = scrambled(starts[s] + static_cast<std::uint64_t>(first.i));
         h = scrambled(h + static_cast<std::uint64_t>(first.j));
-        h = scrambled(h + shift);
-        h = scrambled(h + tags);
+        if ((shift | tags) != 0) h = scrambled(scrambled(h + shift) + tags);
         sums[s] += adds ? h : -h;
     }
 }

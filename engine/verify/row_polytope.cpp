@@ -12,7 +12,7 @@ namespace votess {
 namespace {
 
 constexpr int max_sure_planes = 512, max_exact_planes = 1000000, max_tried_planes = 40;
-constexpr std::size_t block_size = 64;
+constexpr std::size_t block_size = 64, crowd = 16;
 constexpr double filter_bound = 0x1p-45;
 constexpr double underflow = 0x1p-960;
 
@@ -81,21 +81,26 @@ bool RowPolytope::meet(int a, int b, int c, Corner& corner) const {
     corner.constant = filter_bound * m * inverse;
     corner.slope = corner.constant * (distance_[at(a)] + distance_[at(b)] + distance_[at(c)]);
     // The error of W moves the corner along its own direction, which no slack of n.X - d W sees.
-    corner.error = corner.slope + corner.constant * length3(corner.at[0], corner.at[1], corner.at[2]);
+    const double square = dot(corner.at, corner.at);
+    corner.error = corner.slope + corner.constant * (square > underflow ? std::sqrt(square) : length3(corner.at));
     corner.planes = {a, b, c};
     return w > filter_bound * m;
 }
 
+bool RowPolytope::is_sure_corner(int a, int b, int c, Corner& corner, double* slacks) {
+    if (!meet(a, b, c, corner)) return false;
+    // The three planes never count: exactly they are 0.
+    const int sure = loops_.slacks(arrays(), corner.at, {corner.slope, corner.constant, underflow}, slacks);
+    return sure == static_cast<int>(d_.size()) - 3;
+}
+
 bool RowPolytope::add_sure_corner(int a, int b, int c) {
     Corner corner;
-    if (!meet(a, b, c, corner)) return false;
     const std::size_t padded = d_.size();
     const int v = static_cast<int>(corners_.size()), n = planes();
     if (slacks_.size() < at(v + 1) * padded) slacks_.resize(2 * at(v + 1) * padded);
     double* const slacks = &slacks_[at(v) * padded];
-    // The three planes never count: exactly they are 0.
-    const int sure = loops_.slacks(arrays(), corner.at, {corner.slope, corner.constant, underflow}, slacks);
-    if (sure != static_cast<int>(padded) - 3) return false;
+    if (!is_sure_corner(a, b, c, corner, slacks)) return false;
     for (const int f : corner.planes) slacks[f] = infinity;
     corners_.push_back(corner);
     const std::array<int, 4> turn{a, b, c, a};
@@ -183,6 +188,68 @@ bool RowPolytope::guess_from(int a, std::array<int, 3>& start) {
     return false;
 }
 
+// Each corner has a polygon in each of its three planes a, b, c. In turn, the corner after it in one is that before it
+// in the next: both polygons have this edge, in opposite directions. So each edge of a corner has its second end among
+// the corners, and a polygon follows the edges of its face. It meets no corner twice, since a, b, c differ.
+bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
+    const int n = planes();
+    const std::size_t count = vertices.size() / 3;
+    seems_open_ = false;
+    if (n < 4 || n > max_sure_planes || vertices.size() % 3 != 0 || count < 4) return false;
+    tight_.clear();
+    corners_.clear();
+    edges_.clear();
+    vertices_.clear();
+    faces_.assign(at(n), 0);
+    std::size_t size = 32;
+    while (size < 2 * count) size *= 2;
+    table_.assign(size, -1);
+    slots_.resize(vertices.size());
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const std::int32_t id = vertices[k];
+        std::size_t h = (static_cast<std::uint32_t>(id) * 0x9e3779b1u >> 8) & (size - 1);
+        while (table_[h] >= 0 && vertices_[at(table_[h])] != id) h = (h + 1) & (size - 1);
+        if (table_[h] < 0) {
+            if (id < 0 || vertices_.size() == count) return false;
+            table_[h] = static_cast<int>(vertices_.size());
+            vertices_.push_back(id);
+        }
+        slots_[k] = table_[h];
+    }
+    fans_.assign(count, {});
+    for (int f = 0; f < n; ++f) {
+        const auto begin = static_cast<std::size_t>(offsets[at(f)] - offsets[0]),
+                   end = static_cast<std::size_t>(offsets[at(f) + 1] - offsets[0]);
+        if (begin == end) return false;
+        int before = slots_[end - 1];
+        for (std::size_t k = begin; k < end; ++k) {
+            Fan& fan = fans_[at(slots_[k])];
+            if (fan.used == 3) return false;
+            const std::size_t side = at(fan.used++);
+            fan.planes[side] = f, fan.before[side] = before, fan.after[side] = slots_[k + 1 == end ? begin : k + 1];
+            before = slots_[k];
+        }
+    }
+    if (slacks_.size() < d_.size()) slacks_.resize(d_.size());
+    for (int v = 0; v < static_cast<int>(count); ++v) {
+        const Fan& fan = fans_[at(v)];
+        if (fan.used != 3) return false;
+        const std::size_t second = fan.after[0] == fan.before[1] ? 1 : 2, third = 3 - second;
+        if (fan.after[0] != fan.before[second] || fan.after[second] != fan.before[third] ||
+            fan.after[third] != fan.before[0] || fan.after[0] == fan.after[1] || fan.after[0] == fan.after[2] ||
+            fan.after[1] == fan.after[2])
+            return false;
+        if (!is_sure_corner(fan.planes[0], fan.planes[third], fan.planes[second], corners_.emplace_back(),
+                            slacks_.data()))
+            return false;
+        for (const auto& [f, g] : {std::array{std::size_t{0}, second}, {second, third}, {third, std::size_t{0}}}) {
+            faces_[at(fan.planes[f])] = 1;
+            if (v < fan.after[f]) edges_.push_back({v, fan.after[f], fan.planes[f], fan.planes[g]});
+        }
+    }
+    return true;
+}
+
 bool RowPolytope::wrap_surely() {
     const int n = planes();
     seems_open_ = false;
@@ -207,10 +274,7 @@ bool RowPolytope::wrap_surely() {
         }
         return true;
     };
-    if (sure()) {
-        for (Corner& corner : corners_) sharpen(corner);
-        return true;
-    }
+    if (sure()) return true;
     std::fill_n(pairs_.begin(), n * n, -1);
     return false;
 }
@@ -228,7 +292,19 @@ int RowPolytope::side(int v, const Name& name) {
                                  planes_.plane(seed_, name.id, name.shift));
 }
 
-bool RowPolytope::is_beyond(const RoundedPlane& plane) const {
+double RowPolytope::reach() const {
+    double square = 0, errors = 0;
+    for (const Corner& corner : corners_) {
+        const double own = dot(corner.at, corner.at);
+        if (!(own <= 1 / underflow)) return infinity;
+        square = std::max(square, own);
+        errors += corner.error;
+    }
+    return square > underflow ? std::sqrt(square) * (1 + 0x1p-50) + errors : infinity;
+}
+
+bool RowPolytope::is_beyond(const RoundedPlane& plane, double reach) const {
+    if (is_out_of_reach(plane, reach)) return true;
     return std::ranges::all_of(corners_, [&](const Corner& corner) {
         const double along = dot(plane.n, corner.at);
         return plane.d - along - plane.length * corner.error > 0x1p-40 * (std::abs(along) + plane.size);
@@ -318,9 +394,13 @@ int RowPolytope::guess_end(const Vector3& from, const Vector3& along, int a, int
     return found >= 0 ? found : first_hit(from, along, a, b).plane;
 }
 
-// Makes the place of a corner exact to rounding, where it is not nearly so.
-void RowPolytope::sharpen(Corner& corner) {
-    if (corner.error < 0x1p-40 * length3(corner.at[0], corner.at[1], corner.at[2])) return;
+void RowPolytope::sharpen(double relative_error) {
+    for (Corner& corner : corners_) sharpen(corner, relative_error);
+}
+
+// Makes the place of a corner exact to rounding, where it may err by more.
+void RowPolytope::sharpen(Corner& corner, double relative_error) {
+    if (corner.error * corner.error < relative_error * relative_error * dot(corner.at, corner.at)) return;
     const auto [a, b, c] = corner.planes;
     (void)source(a);
     corner.at = exact::near_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)]);
@@ -336,7 +416,7 @@ int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& th
         corner.planes = {a, b, c};
     }
     const exact::Plane &pa = source(a), &pb = source(b), &pc = source(c);
-    sharpen(corner);
+    sharpen(corner, sharp);
     through.clear();
     int deepest = -1;
     double depth = 0;
@@ -362,6 +442,7 @@ int RowPolytope::corner_of(const Corner& corner, const std::vector<int>& through
     if (is_new) {
         corners_.push_back(corner);
         tight_.push_back(through);
+        if (through.size() > crowd) crowded_.push_back(known->second);
     }
     return known->second;
 }
@@ -407,14 +488,22 @@ int RowPolytope::end_of_edge(int from, int a, int b, int sign) {
     // A plane that cuts off the corner meets the ray before it.
     Corner corner;
     std::vector<int> through;
-    for (int cut = place(a, b, c, corner, through); cut >= 0; cut = place(a, b, c, corner, through)) c = cut;
-    return corner_of(corner, through);
+    while (true) {
+        for (const int v : crowded_)
+            if (std::ranges::all_of(std::array{a, b, c},
+                                    [&](int f) { return std::ranges::binary_search(tight_[at(v)], f); }))
+                return v;
+        const int cut = place(a, b, c, corner, through);
+        if (cut < 0) return corner_of(corner, through);
+        c = cut;
+    }
 }
 
 RowPolytope::Shape RowPolytope::wrap_exactly() {
     corners_.clear();
     edges_.clear();
     tight_.clear();
+    crowded_.clear();
     corner_through_.clear();
     rays_.clear();
     faces_.assign(names_.size(), 0);
@@ -423,15 +512,20 @@ RowPolytope::Shape RowPolytope::wrap_exactly() {
     std::set<std::vector<int>> known;
     for (int v = 0; v < static_cast<int>(corners_.size()); ++v) {
         const std::vector<int> through = tight_[at(v)];
+        int above = through.front(), below = above;  // planes beyond either end of the last line that is no edge
         for (std::size_t k = 0; k < through.size(); ++k)
             for (std::size_t l = k + 1; l < through.size(); ++l) {
                 const int a = through[k], b = through[l];
+                const auto turn = [&](int c) { return c == a || c == b ? 0 : orientation(a, b, c); };
+                if (turn(above) * turn(below) < 0) continue;
                 std::vector<int> along;  // planes that hold the line of a and b
                 bool positive = false, negative = false;
                 for (const int c : through) {
-                    const int turn = c == a || c == b ? 0 : orientation(a, b, c);
-                    if (turn == 0) along.push_back(c);
-                    positive |= turn > 0, negative |= turn < 0;
+                    const int sign = turn(c);
+                    if (sign == 0) along.push_back(c);
+                    if (sign > 0) positive = true, above = c;
+                    if (sign < 0) negative = true, below = c;
+                    if (positive && negative) break;
                 }
                 if (positive == negative || !known.insert(along).second) continue;  // no edge, or parallel planes
                 const int w = end_of_edge(v, a, b, positive ? -1 : 1);
@@ -487,47 +581,55 @@ RowPolytope::Shape RowPolytope::find_faces() {
     return Shape::solid;
 }
 
-void RowPolytope::measure(Measures& out) const {
+void RowPolytope::measure(Measures& out, bool centroid) const {
     Vector3 origin{};  // the seed, or a corner if the seed lies outside
     for (int f = 0; f < planes(); ++f)
         if (has_face(f) && !(d_[at(f)] > 0)) origin = corners_[0].at;
     out.areas.assign(names_.size(), 0);
-    out.distances.assign(names_.size(), 0);
     out.anchors.assign(names_.size(), -1);
-    double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
-    Vector3 moment{};
+    double* const areas = out.areas.data();
+    int* const anchors = out.anchors.data();
+    const auto place = [&](int corner) { return minus(corners_[at(corner)].at, origin); };
     for (const Edge& edge : edges_) {
-        const Vector3 from = minus(corners_[at(edge.from)].at, origin), to = minus(corners_[at(edge.to)].at, origin);
-        const Vector3 turn = cross(from, to);
-        out.areas[at(edge.left)] += dot(turn, normal(edge.left));
-        out.areas[at(edge.right)] -= dot(turn, normal(edge.right));
-        for (const int f : {edge.left, edge.right}) {
-            out.distances[at(f)] = dot(from, normal(f));
-            int& anchor = out.anchors[at(f)];
-            if (anchor < 0) anchor = edge.from;
-            const Vector3 third = minus(corners_[at(anchor)].at, origin);
-            const double volume = f == edge.left ? dot(turn, third) : -dot(turn, third);
-            sum += volume;
-            for (std::size_t k = 0; k < 3; ++k) moment[k] += volume * (from[k] + to[k] + third[k]);
-        }
+        const Vector3 turn = cross(place(edge.from), place(edge.to));
+        areas[edge.left] += dot(turn, normal(edge.left));
+        areas[edge.right] -= dot(turn, normal(edge.right));
+        anchors[edge.left] = anchors[edge.right] = edge.from;
     }
-    for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = origin[k] + moment[k] / (4 * sum);
-    out.volume = out.surface = out.diameter = out.error = out.reach = 0;
+    if (centroid) {
+        double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
+        Vector3 moment{};
+        for (const Edge& edge : edges_) {
+            const Vector3 from = place(edge.from), to = place(edge.to), turn = cross(from, to);
+            for (const int f : {edge.left, edge.right}) {
+                const Vector3 third = place(anchors[f]);
+                const double volume = f == edge.left ? dot(turn, third) : -dot(turn, third);
+                sum += volume;
+                for (std::size_t k = 0; k < 3; ++k) moment[k] += volume * (from[k] + to[k] + third[k]);
+            }
+        }
+        for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = origin[k] + moment[k] / (4 * sum);
+    }
+    out.volume = out.surface = out.error = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
-        double& area = out.areas[at(f)];
-        area /= 2 * length_[at(f)];
-        out.volume += area * out.distances[at(f)] / (3 * length_[at(f)]);
-        out.surface += area;
+        const double inverse = 1 / length_[at(f)];
+        areas[f] *= 0.5 * inverse;
+        out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * inverse / 3;  // corners have more digits than d
+        out.surface += areas[f];
     }
-    double square = 0;
+    double wide = 0, far = 0;  // squares
     for (const Corner& corner : corners_) {
         const Vector3 from = minus(corner.at, corners_[0].at);
-        square = std::max(square, dot(from, from));
+        wide = std::max(wide, dot(from, from));
+        far = std::max(far, dot(corner.at, corner.at));
         out.error = std::max(out.error, corner.error);
-        out.reach = std::max(out.reach, length3(corner.at[0], corner.at[1], corner.at[2]));
     }
-    out.diameter = 2 * std::sqrt(square);
+    out.diameter = 2 * std::sqrt(wide);
+    out.reach = std::sqrt(far);
+    if (far > underflow && far < 1 / underflow) return;
+    out.reach = 0;
+    for (const Corner& corner : corners_) out.reach = std::max(out.reach, length3(corner.at));
 }
 
 }  // namespace votess

@@ -60,10 +60,7 @@ public:
         Vector3 centroid{};
         double error = 0;           // bound on the rounding of corners
         std::vector<double> areas;  // of the faces, by plane
-        // Of the planes from the point where areas are seen from, times their lengths: of corners, which have more
-        // digits than planes.
-        std::vector<double> distances;
-        std::vector<int> anchors;  // a corner of each face
+        std::vector<int> anchors;   // a corner of each face
     };
 
     explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}
@@ -80,6 +77,12 @@ public:
     void add(const Name& name) { add(name, seen(name)); }
     void add(const Name& name, const RoundedPlane& plane);
 
+    // Takes the corners from polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1],
+    // from vertices[0] on. Returns false unless sure signs show that these are the polygons of the faces, with three
+    // faces at each corner: each runs once around its face, counterclockwise seen from outside.
+    [[nodiscard]] bool wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
+    // Returns the vertices of the last wrap_polygons(), by corner.
+    [[nodiscard]] std::span<const std::int32_t> vertices() const { return vertices_; }
     // Tries sure signs alone. Returns false where they do not settle it.
     [[nodiscard]] bool wrap_surely();
     // The last try met an edge without an end: planes are missing.
@@ -106,16 +109,27 @@ public:
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
     // Returns +1 if the corner lies strictly outside a plane, -1 if strictly inside, 0 if on it.
     [[nodiscard]] int side(int corner, const Name& name);
-    // Whether all corners surely lie inside the plane and not on it.
-    [[nodiscard]] bool is_beyond(const RoundedPlane& plane) const;
+    // Returns a bound on the distance of corners from the seed.
+    [[nodiscard]] double reach() const;
+    // Whether a plane surely lies farther from the seed than that.
+    [[nodiscard]] static bool is_out_of_reach(const RoundedPlane& plane, double reach) {
+        const double most = plane.length * reach;
+        return plane.d - most > 0x1p-40 * (most + plane.size);
+    }
+    // Whether all corners surely lie inside the plane and not on it. reach: as above.
+    [[nodiscard]] bool is_beyond(const RoundedPlane& plane, double reach) const;
 
-    void measure(Measures& out) const;
+    static constexpr double sharp = 0x1p-40;
+    // Makes places of corners exact to rounding, where they may err by more than this part of their distance.
+    void sharpen(double relative_error);
+    void measure(Measures& out, bool centroid = true) const;
 
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
     [[nodiscard]] Vector3 normal(int f) const { return {nx_[at(f)], ny_[at(f)], nz_[at(f)]}; }
     [[nodiscard]] const exact::Plane& source(int f);
     [[nodiscard]] bool meet(int a, int b, int c, Corner& corner) const;
+    [[nodiscard]] bool is_sure_corner(int a, int b, int c, Corner& corner, double* slacks);
     [[nodiscard]] bool add_sure_corner(int a, int b, int c);
     [[nodiscard]] PlaneArrays arrays() const {
         return {nx_.data(), ny_.data(), nz_.data(), d_.data(), length_.data(), size_.data(), d_.size()};
@@ -127,7 +141,7 @@ private:
     [[nodiscard]] int guess_end(const Vector3& from, const Vector3& along, int a, int b);
     [[nodiscard]] bool guess_start(std::array<int, 3>& planes);
     [[nodiscard]] bool guess_from(int a, std::array<int, 3>& planes);
-    void sharpen(Corner& corner);
+    void sharpen(Corner& corner, double relative_error);
     [[nodiscard]] int place(int a, int b, int c, Corner& corner, std::vector<int>& through);
     [[nodiscard]] bool start_at(const std::array<int, 3>& guess);
     [[nodiscard]] bool find_start();
@@ -153,7 +167,15 @@ private:
         int corner, a, b;
     };
     std::vector<Half> waiting_;
+    struct Fan {  // the polygons at a corner
+        int used = 0;
+        std::array<int, 3> planes, before, after;  // and the corners next to it in each
+    };
+    std::vector<Fan> fans_;
+    std::vector<std::int32_t> vertices_;
+    std::vector<int> slots_, table_;       // corners by place in the polygons; by hash of their vertices
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
+    std::vector<int> crowded_;              // corners of many planes, which exact signs find slowly
     std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes
     struct Block {
         Vector3 lower, upper;    // of normals

@@ -13,7 +13,8 @@ namespace votess {
 [[nodiscard]] std::string malformed(const detail::Result& result);
 
 // Runs the seeds again and returns a text on the first number that differs by more than the tolerance, which is
-// relative to the largest one of its array. "" if there is none. again: of the same seeds, domain and subset.
+// relative to the number, the vector, or what suits the distance between seeds. "" if there is none. again: of the same
+// seeds, domain and subset.
 [[nodiscard]] std::string difference_from_second_run(const detail::Result& result, Settled again, double tolerance);
 
 }  // namespace votess

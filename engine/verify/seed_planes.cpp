@@ -34,24 +34,9 @@ exact::Plane SeedPlanes::plane(std::size_t i, std::int32_t id, const exact::Shif
     return plane;
 }
 
-RoundedPlane SeedPlanes::rounded(std::size_t i, std::int32_t id, const exact::Shift& shift) const {
-    return id < 0 ? rounded_wall(i, id) : rounded_bisector(i, id, shift);
-}
-
-RoundedPlane SeedPlanes::rounded_bisector(std::size_t i, std::int32_t id, const exact::Shift& shift) const {
-    const auto j = static_cast<std::size_t>(id);
-    RoundedPlane r;
-    if (shift == exact::Shift{} && wrap_.empty()) {
-        r.n = minus(seed(j), seed(i));
-    } else {
-        const auto difference = exact::differences(seed(i), plane(i, id, shift)).x;
-        r.n = {difference[0].high, difference[1].high, difference[2].high};
-    }
-    const double square = dot(r.n, r.n), power = domain_.has_weights() ? weight(i) - weight(j) : 0;
-    r.d = 0.5 * (square + power);
-    r.size = 0.5 * (square + std::abs(power));
-    r.length = std::sqrt(square);
-    return r;
+RoundedPlane SeedPlanes::rounded_image(std::size_t i, std::int32_t id, const exact::Shift& shift) const {
+    const auto difference = exact::differences(seed(i), plane(i, id, shift)).x;
+    return bisector(i, static_cast<std::size_t>(id), {difference[0].high, difference[1].high, difference[2].high});
 }
 
 RoundedPlane SeedPlanes::rounded_wall(std::size_t i, std::int32_t id) const {

@@ -1,6 +1,7 @@
 // The planes of a job as its seeds see them: exact for signs, and rounded with a bound for filters.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,6 +10,10 @@
 #include "input/job.hpp"
 
 namespace votess {
+
+inline bool is_zero(const exact::Shift& shift) {
+    return (shift[0] | shift[1] | shift[2]) == 0;
+}
 
 // The half-space n.x <= d, of x relative to a seed. With u = 2^-53, n errs by at most 4 u length and d by 8 u size.
 struct RoundedPlane {
@@ -37,12 +42,27 @@ public:
     // Returns the bisector of seed i with the image of seed `id`, or a wall. Shifts are between places inside the
     // domain.
     [[nodiscard]] exact::Plane plane(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
-    [[nodiscard]] RoundedPlane rounded(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
+    [[nodiscard]] RoundedPlane rounded(std::size_t i, std::int32_t id, const exact::Shift& shift) const {
+        if (id >= 0 && is_zero(shift) && wrap_.empty()) {
+            const auto j = static_cast<std::size_t>(id);
+            return bisector(i, j, minus(seed(j), seed(i)));
+        }
+        return id < 0 ? rounded_wall(i, id) : rounded_image(i, id, shift);
+    }
     // Whether the image lies where seed i does.
     [[nodiscard]] bool same_place(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
 
 private:
-    [[nodiscard]] RoundedPlane rounded_bisector(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
+    [[nodiscard]] RoundedPlane bisector(std::size_t i, std::size_t j, const Vector3& difference) const {
+        RoundedPlane r;
+        r.n = difference;
+        const double square = dot(r.n, r.n), power = domain_.has_weights() ? weight(i) - weight(j) : 0;
+        r.d = 0.5 * (square + power);
+        r.size = 0.5 * (square + std::abs(power));
+        r.length = std::sqrt(square);
+        return r;
+    }
+    [[nodiscard]] RoundedPlane rounded_image(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
     [[nodiscard]] RoundedPlane rounded_wall(std::size_t i, std::int32_t id) const;
 
     const Job& job_;

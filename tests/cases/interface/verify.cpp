@@ -797,6 +797,19 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("verify proves a hull with a corner of many faces") {
+        test::Coordinates points{0, 0, 1, 0.1, 0.2, 0.3, -0.2, 0.1, 0.2};
+        for (int k = 0; k < 120; ++k)
+            points.insert(points.end(), {std::cos(0.05 * k + 1e-3 * (k % 7)), std::sin(0.05 * k + 1e-3 * (k % 7)), 0});
+        votess::Options options = rows_only();
+        options.walls = votess::hull_walls(points);
+        const auto t = votess::tessellate(std::span<const double>(points), options);
+        CHECK(votess::verify(t, points).proven);
+        test::Coordinates moved = points;
+        std::swap_ranges(moved.begin() + 3, moved.begin() + 6, moved.begin() + 6);
+        CHECK_FALSE(votess::verify(t, moved).passed);
+    }
+
     // Sums of volumes have no digits there: places far away are rounded by more than the whole box is wide.
     TEST_CASE("verify proves cells of domains that end on some sides") {
         constexpr double inf = std::numeric_limits<double>::infinity();
@@ -827,6 +840,48 @@ TEST_SUITE("cases") {
                     CHECK(report.failure == "");
                     CHECK(report.unproven == "");
                 }
+    }
+
+    // Volumes of a box that ends far away underflow, or all digits are those of the cells at its ends.
+    TEST_CASE("verify compares numbers of domains without end cell by cell") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        for (const double scale : {5e-16, 1.0, 1e60})
+            for (int kind = 0; kind < 4; ++kind) {
+                CAPTURE(scale);
+                CAPTURE(kind);
+                test::Coordinates points = test::uniform(30, 118).points;
+                for (double& x : points) x *= scale;
+                votess::Options options;
+                options.device = "cpu";
+                options.threads = 1;
+                options.list_walls = kind % 2 == 0;
+                options.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = true};
+                options.box = test::cube(-inf, inf);
+                if (kind == 1) options.box->lower[0] = 0;
+                if (kind >= 2) options.box->lower[0] = 0, options.box->upper[0] = scale, options.periodic[0] = true;
+                if (kind == 3) options.box->lower[1] = 0, options.box->upper[1] = scale, options.periodic[1] = true;
+                const auto t = votess::tessellate(std::span<const double>(points), options);
+                const votess::VerifyReport report = votess::verify(t, points);
+                CHECK(report.failure == "");
+                CHECK(report.proven);
+                const auto change = [&](std::span<const double> values, std::size_t i, double by) {
+                    double& value = const_cast<double&>(values[i]);
+                    const double old = value;
+                    value += by;
+                    CHECK_FALSE(votess::verify(t, points).passed);
+                    value = old;
+                };
+                std::size_t closed = 0;
+                for (std::size_t i = 0; i < t.size() && closed < 3; ++i) {
+                    if (!std::isfinite(t.volumes()[i])) continue;
+                    ++closed;
+                    change(t.volumes(), i, 1e-6 * t.volumes()[i]);
+                    change(t.centroids(), 3 * i + 1, 1e-6 * scale);
+                    const auto entry = static_cast<std::size_t>(t.indptr()[i]);
+                    change(t.face_areas(), entry, 1e-6 * scale * scale);
+                }
+                CHECK(closed > 0);
+            }
     }
 
     // Rows of more than 512 faces are looked through in blocks.
