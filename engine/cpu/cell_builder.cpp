@@ -33,6 +33,7 @@ constexpr std::size_t max_idle = 24;          // seeds in a row that do not cut 
 constexpr double far_beyond = 16;             // times the squared distance
 constexpr int cuts_in_a_row = 16, large_cell = 512;  // slots; see clip_far()
 constexpr int slots_per_cut = 16;                    // after so many cuts of a cell its ball is found again
+constexpr std::size_t slots_of_test = 64;            // a larger cell counts as several tests
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
@@ -665,7 +666,9 @@ void CellBuilder::clip_far(double from, bool images_only) {
         const QueueEntry entry = far_queue_.back();
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
-        if (++tests_ > max_tests_) return;
+        // Vertices of a periodic domain have the last digits of the way in which a cell is found.
+        tests_ += seeds_.images != nullptr ? 1 : 1 + static_cast<std::size_t>(cell_.slots()) / slots_of_test;
+        if (tests_ > max_tests_) return;
         poll_stop();
         if (worth_a_test() && !node_may_cut(entry)) continue;
         if (entry.level > 0) {

@@ -75,7 +75,9 @@ void straighten(const Domain& domain, std::array<Vector, 3>& v) {
     for (int j = 0; j < 3; ++j) {
         if (domain.periodic[j] || periodic == 0) continue;
         const int i = (j + 1) % 3, l = (j + 2) % 3;
-        const Vector onto = periodic == 2 ? cross(v[i], v[l]) : v[domain.periodic[i] ? i : l];
+        Vector onto = periodic == 2 ? cross(v[i], v[l]) : v[domain.periodic[i] ? i : l];
+        const int exponent = std::ilogb(std::max({std::abs(onto[0]), std::abs(onto[1]), std::abs(onto[2])}));
+        for (double& x : onto) x = std::ldexp(x, -exponent);  // its square may underflow
         const double part = dot(v[j], onto) / dot(onto, onto);
         for (int k = 0; k < 3; ++k) v[j][k] = periodic == 2 ? part * onto[k] : v[j][k] - part * onto[k];
     }

@@ -6,11 +6,12 @@
 namespace votess::exact {
 namespace {
 
-using Limbs = std::vector<std::uint64_t>;
-
 bool less(const Limbs& a, const Limbs& b) {
     if (a.size() != b.size()) return a.size() < b.size();
-    return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
+    const std::uint64_t *x = a.begin(), *y = b.begin();
+    std::size_t i = a.size();
+    while (i > 0 && x[i - 1] == y[i - 1]) --i;
+    return i > 0 && x[i - 1] < y[i - 1];
 }
 
 }  // namespace
@@ -23,46 +24,42 @@ BigInt BigInt::operator-() const& {
 
 BigInt BigInt::sum(const BigInt& b, bool b_negative) const {
     BigInt result;
-    if (negative_ == b_negative) {
-        const Limbs &longer = limbs_.size() < b.limbs_.size() ? b.limbs_ : limbs_,
-                    &shorter = limbs_.size() < b.limbs_.size() ? limbs_ : b.limbs_;
-        result.limbs_.reserve(longer.size() + 1);
-        Uint128 carry = 0;
-        for (std::size_t i = 0; i < longer.size(); ++i) {
-            carry += static_cast<Uint128>(longer[i]) + (i < shorter.size() ? shorter[i] : 0);
-            result.limbs_.push_back(static_cast<std::uint64_t>(carry));
-            carry >>= 64;
-        }
-        if (carry != 0) result.limbs_.push_back(1);
-        result.negative_ = negative_;
-    } else {
-        const bool turned = less(limbs_, b.limbs_);
-        const Limbs &large = turned ? b.limbs_ : limbs_, &small = turned ? limbs_ : b.limbs_;
-        result.limbs_.reserve(large.size());
-        std::uint64_t borrow = 0;
-        for (std::size_t i = 0; i < large.size(); ++i) {
-            const Uint128 d = static_cast<Uint128>(large[i]) - (i < small.size() ? small[i] : 0) - borrow;
-            result.limbs_.push_back(static_cast<std::uint64_t>(d));
-            borrow = static_cast<std::uint64_t>(d >> 64) & 1;
-        }
-        result.negative_ = turned ? b_negative : negative_;
+    const bool adds = negative_ == b_negative;
+    const bool turned = adds ? limbs_.size() < b.limbs_.size() : less(limbs_, b.limbs_);
+    const Limbs &large = turned ? b.limbs_ : limbs_, &small = turned ? limbs_ : b.limbs_;
+    const std::size_t count = large.size(), both = small.size();
+    result.limbs_ = Limbs(count + (adds ? 1 : 0));
+    const std::uint64_t *x = large.begin(), *y = small.begin();
+    std::uint64_t* const out = result.limbs_.begin();
+    std::uint64_t carry = 0;  // or borrow
+    for (std::size_t i = 0; i < count; ++i) {
+        const Uint128 other = static_cast<Uint128>(i < both ? y[i] : 0) + carry;
+        const Uint128 limb = adds ? x[i] + other : x[i] - other;
+        out[i] = static_cast<std::uint64_t>(limb);
+        carry = static_cast<std::uint64_t>(limb >> 64) & 1;
     }
+    if (adds) out[count] = carry;
+    result.negative_ = turned ? b_negative : negative_;
     result.trim();
     return result;
 }
 
 BigInt operator*(const BigInt& a, const BigInt& b) {
     BigInt result;
-    result.limbs_.assign(a.limbs_.size() + b.limbs_.size(), 0);
-    for (std::size_t i = 0; i < a.limbs_.size(); ++i) {
-        if (a.limbs_[i] == 0) continue;
+    const std::size_t a_size = a.limbs_.size(), b_size = b.limbs_.size();
+    if (a_size == 0 || b_size == 0) return result;
+    result.limbs_ = Limbs(a_size + b_size);
+    const std::uint64_t *x = a.limbs_.begin(), *y = b.limbs_.begin();
+    std::uint64_t* const out = result.limbs_.begin();
+    std::fill_n(out, b_size, 0);
+    for (std::size_t i = 0; i < a_size; ++i) {
         std::uint64_t carry = 0;
-        for (std::size_t j = 0; j < b.limbs_.size(); ++j) {
-            const Uint128 t = static_cast<Uint128>(a.limbs_[i]) * b.limbs_[j] + result.limbs_[i + j] + carry;
-            result.limbs_[i + j] = static_cast<std::uint64_t>(t);
+        for (std::size_t j = 0; j < b_size; ++j) {
+            const Uint128 t = static_cast<Uint128>(x[i]) * y[j] + out[i + j] + carry;
+            out[i + j] = static_cast<std::uint64_t>(t);
             carry = static_cast<std::uint64_t>(t >> 64);
         }
-        result.limbs_[i + b.limbs_.size()] = carry;
+        out[i + b_size] = carry;
     }
     result.negative_ = a.negative_ != b.negative_;
     result.trim();

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "core/arithmetic.hpp"
+#include "exact/integer/normals.hpp"
 #include "exact/integer/rows.hpp"
 #include "exact/integer/vertex.hpp"
 #include "exact/integer/wide_int.hpp"
@@ -150,9 +152,88 @@ std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const Wid
     return x;
 }
 
+// The side of a vertex on one, two or three walls of the box that are so far from all seeds that the direction to the
+// vertex decides. Such numbers are narrow, those of the walls are not. Returns nothing for other vertices and for
+// directions along the plane.
+//
+// Let x_m = w_m on the walls. Cramer's rule for the other planes, whose rows are N and S, gives
+//     (2 Nd.x - Sd) D = 2 sum w_m E_m + R.
+// one wall k:      D = (Na x Nb)_k                 E = Nd.(Na x Nb)                     |R| <= |Sa||Nd||Nb| + ...
+// two walls i, j:  D = Na_k                        E_m = Nd_m Na_k - Nd_k Na_m          |R| <= |Sa||Nd| + |Sd||Na|
+// three walls:     D = 1                           E_m = Nd_m                           |R| <= |Sd|
+// In integers the sum of +-E_m is 0 or at least 1. All |w_m| are equal to a difference e, so |2 w_m| times that sum
+// decides if it is more than 2 e sum |E_m| + |R|.
+std::optional<int> side_of_far_vertex(const Point& p, const std::array<const Plane*, 3>& vertex, const Plane& d) {
+    std::array<const Plane*, 3> bisectors{&d};
+    std::array<std::size_t, 3> across{};
+    std::array<bool, 3> is_across{};
+    std::array<int, 3> sign{};
+    std::size_t walls = 0, planes = 1;
+    double nearest = std::numeric_limits<double>::infinity(), farthest = 0, seed = 0;
+    for (const Plane* plane : vertex) {
+        if (plane->is_oblique()) return std::nullopt;
+        if (plane->is_bisector()) {
+            bisectors[planes++] = plane;
+            continue;
+        }
+        const auto k = static_cast<std::size_t>(plane->axis);
+        across[walls] = k;
+        is_across[k] = true;
+        sign[walls++] = wall_sign(*plane);
+        nearest = std::min(nearest, std::abs(plane->wall));
+        farthest = std::max(farthest, std::abs(plane->wall));
+        seed = std::max(seed, std::abs(p[k]));
+        if (plane->wall * wall_sign(*plane) < 0) return std::nullopt;  // both walls are on one side of the origin
+    }
+    if (walls == 0 || !d.is_bisector() || !(nearest > 0x1p60 * seed)) return std::nullopt;
+    double power = 0;
+    for (std::size_t i = 0; i < planes; ++i) {
+        if (bisectors[i]->is_reversed()) return std::nullopt;
+        power = std::max(power, std::abs(bisectors[i]->power.high));
+    }
+
+    const std::span used = std::span(bisectors).first(planes);
+    Scratch<WordVector> n(planes);
+    std::optional<int> unit = word_normals(p, used, n);
+    if (!unit) return std::nullopt;
+    *unit += reduce(used, n);
+    if (std::abs(*unit) > 400) return std::nullopt;
+    const double per_unit = power_of_two(-*unit), far = nearest * per_unit;
+    double longest = 0;
+    for (const WordVector& vector : n.all())
+        longest = std::max(longest, length3(static_cast<double>(vector[0]), static_cast<double>(vector[1]),
+                                            static_cast<double>(vector[2])));
+    const double square = longest * longest + power * per_unit * per_unit;
+    double rest = square * (planes == 3 ? 3 * longest * longest : planes == 2 ? 2 * longest : 1);
+    const double apart = (farthest - nearest) * per_unit + seed * per_unit;
+    if (!(0x1.8p0 * far > rest) || !(far < 0x1p900)) return std::nullopt;
+
+    if (walls == 1) {
+        const std::size_t k = across[0], i = (k + 1) % 3, j = (k + 2) % 3;
+        const int turn = WordCross(n[1], n[2]).turn(n[0]);
+        const Int128 divisor = static_cast<Int128>(n[1][i]) * n[2][j] - static_cast<Int128>(n[1][j]) * n[2][i];
+        if (turn == 0) return std::nullopt;
+        return sign[0] * turn * sign_of(divisor);
+    }
+    Int128 sum = 0;
+    double sizes = 0;
+    const std::size_t k = !is_across[0] ? 0 : !is_across[1] ? 1 : 2;  // of two walls: along both
+    for (std::size_t m = 0; m < walls; ++m) {
+        const std::size_t i = across[m];
+        const Int128 by = walls == 3 ? n[0][i]
+                                     : static_cast<Int128>(n[0][i]) * n[1][k] - static_cast<Int128>(n[0][k]) * n[1][i];
+        sum += sign[m] * by;
+        sizes += std::abs(static_cast<double>(by));
+    }
+    rest += 2 * apart * sizes;
+    if (sum == 0 || !(0x1.8p0 * far * std::abs(static_cast<double>(sum)) > rest)) return std::nullopt;
+    return sign_of(sum) * (walls == 3 ? 1 : sign_of(n[1][k]));
+}
+
 }  // namespace
 
 int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+    if (const auto side = side_of_far_vertex(p, {&a, &b, &c}, d)) return *side;
     BitRange range;
     range.add(p);
     for (const Plane* plane : {&a, &b, &c, &d}) range.add(*plane);

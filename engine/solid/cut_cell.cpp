@@ -720,6 +720,28 @@ void CutCell::measure_areas_in_quad() {
     }
 }
 
+// Returns the area of a face without triangles in its plane, or 0 where rounding may matter.
+double CutCell::sure_area(std::int32_t face) {
+    using exact::Quad;
+    constexpr double digits = 0x1p34;  // beyond the 1e-10 that areas promise
+    if (quads_.empty()) find_quads();
+    Quad area;
+    double bound = 0;
+    for (const Cone& cone : cones_) {
+        if (cone.face != face) continue;
+        const auto &a = quads_[index(cone.a)], &b = quads_[index(cone.b)], &c = quads_[index(cone.c)],
+                   ab = difference(b, a), bc = difference(c, b);
+        area += Quad(cone.weight) * dot(unit_[index(face)], cross(ab, bc));
+        const auto size = [](const std::array<Quad, 3>& x) {
+            return largest({static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])});
+        };
+        const double length = std::max({size(ab), size(bc), quad_rounding * extent_});
+        bound += 16 * quad_rounding * std::abs(cone.weight) * extent_ * length;
+    }
+    const double sure = std::abs(0.5 * static_cast<double>(area));
+    return sure > digits * bound ? sure : 0;
+}
+
 void CutCell::find_quads() {
     if (!exact_is_ready_) prepare_exact(apex_);
     quads_.resize(place_.size());
@@ -810,7 +832,8 @@ void CutCell::measure_faces(bool decide) {
         if (base_[f] < 0) face.area = 0;  // no part of it lies inside
         face.is_unsure = base_[f] >= 0 && !(face.area > area_error_[f]);
         if (!face.is_unsure || !decide) continue;
-        face.area = lay_over(number, true).area;
+        const double area = has_triangles_[f] == 0 ? sure_area(number) : 0;
+        face.area = area > 0 ? area : lay_over(number, true).area;
         face.is_unsure = false;
     }
     out_.surface = sum_surface_.value();

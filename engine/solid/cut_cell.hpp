@@ -180,6 +180,7 @@ private:
     [[nodiscard]] ConeSum sum_exactly(std::span<const Cone> cones);
     [[nodiscard]] ConeSum sum_in_fractions(std::span<const Cone> cones) const;
     void find_quads();
+    [[nodiscard]] double sure_area(std::int32_t face);
     void measure_areas();
     void measure_areas_in_quad();
     [[nodiscard]] std::int32_t& edge_of(std::int32_t left, std::int32_t right) {

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "core/at.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
+#include "core/vector3.hpp"
 #include "exact/insphere.hpp"
 #include "result/arrays.hpp"
 #include "result/drop_faces.hpp"
@@ -19,6 +21,7 @@ namespace {
 
 using detail::Result;
 
+constexpr std::size_t seeds_per_check = 4096;
 constexpr std::size_t min_near = 30;  // fewer seeds are as fast in the far box alone
 
 // Sets the wanted measures of some rows of a result to those of rows of another one. Those of other rows stay.
@@ -49,6 +52,31 @@ void take_measures(Result& result, const Want& want, const Result& some, std::sp
                   result.face_areas.begin() + result.indptr[rows[k]]);
 }
 
+// Returns whether the seeds lie in one plane or on one line up to rounding, measured from three of them.
+bool is_thin(const Points& points) {
+    constexpr double thin = 0x1p-40;
+    const std::size_t count = points.count();
+    if (count == 0) return false;
+    const Vector3 first = point_of(points, 0);
+    const auto from_first = [&](std::size_t i) { return minus(point_of(points, i), first); };
+    const auto largest = [&](const auto& size) {  // of those that are finite
+        std::size_t at = 0;
+        double most = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (i % seeds_per_check == 0) check_stop();
+            if (const double x = size(from_first(i)); x > most) most = x, at = i;
+        }
+        return std::pair{at, most};
+    };
+    const auto [second, extent] = largest([](const Vector3& x) { return length3(x); });
+    if (!(extent > 0x1p-300 && extent < 0x1p300)) return false;
+    const Vector3 along = from_first(second);
+    const auto [third, area] = largest([&](const Vector3& x) { return length3(cross(along, x)); });
+    if (area <= thin * extent * extent) return true;
+    const Vector3 normal = cross(along, from_first(third));
+    return largest([&](const Vector3& x) { return std::abs(dot(normal, x)); }).second <= thin * area * extent;
+}
+
 class EndlessRun {
 public:
     EndlessRun(const Settled& whole, const RunInBox& run)
@@ -56,10 +84,12 @@ public:
           run_(run),
           progress_(whole.progress),
           sides_(whole.region),
-          flat_ends_(whole.points, whole.region) {}
+          flat_ends_(whole.points, whole.region),
+          thin_(has_no_ends() && !flat_ends_.any() && whole.weights.empty() && is_thin(whole.points)) {}
 
     Result make() {
-        Result result = whole_.points.count() < min_near ? far_cells(whole_, {0, 1}) : in_both_boxes();
+        const bool far_alone = thin_ || whole_.points.count() < min_near;
+        Result result = far_alone ? far_cells(whole_, {0, 1}) : in_both_boxes();
         if (whole_.min_face > 0 || whole_.min_area > 0) {
             Stats& stats = result.stats;
             stats.faces -= drop_small_faces(result, whole_.min_face, whole_.min_area);
@@ -73,6 +103,11 @@ public:
     }
 
 private:
+    [[nodiscard]] bool has_no_ends() const {
+        for (std::int32_t wall = -6; wall < 0; ++wall)
+            if (!sides_.has(wall)) return false;
+        return whole_.region.walls.empty();
+    }
     // Runs a part, whose rows list walls. region: of the whole, with ends.
     [[nodiscard]] Result run(Settled part, Region region, const Want& want, const Share& share) {
         part.region = std::move(region);
@@ -118,8 +153,16 @@ private:
     }
 
     // Returns the cells of a part. The first run finds the rows; a second one measures the cells that have an end. The
-    // others take long to measure in so large a box, and have only faces to measure.
+    // others take long to measure in so large a box, and have only faces to measure. Nearly all cells of thin seeds
+    // have an end, and take long to find.
     Result far_cells(Settled part, const Share& share) {
+        if (thin_) {
+            Want all = whole_.want;
+            all.faces |= needs_polygons();
+            Result result = run_far(std::move(part), all, share);
+            open_cells(result, whole_.region);
+            return result;
+        }
         Want rows = whole_.want;
         rows.volumes = rows.centroids = rows.surfaces = rows.radii = rows.areas = false;
         rows.faces |= needs_polygons();
@@ -236,6 +279,7 @@ private:
     Progress progress_;
     EndlessSides sides_;
     FlatEnds flat_ends_;
+    bool thin_;  // all cells reach far beyond the near box
 };
 
 }  // namespace

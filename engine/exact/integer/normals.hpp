@@ -2,6 +2,7 @@
 // not matter and walls need no unit, so normals are narrower than the rows of rows.hpp.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,16 +43,17 @@ inline int wall_sign(const Plane& wall) {
     return wall.kind == Plane::Kind::lower_wall ? -1 : 1;
 }
 
-// Writes all normals in one unit that leaves word_bits bits to the largest. Returns false when a difference is finer.
-inline bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<WordVector>& normals) {
+// Writes all normals in one unit that leaves word_bits bits to the largest. Returns the exponent of the unit, or nothing
+// when a difference is finer.
+inline std::optional<int> word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<WordVector>& normals) {
     double largest = 0;
     for (const Plane* plane : planes) {
-        if (plane->is_oblique() || plane->is_reversed()) return false;
+        if (plane->is_oblique() || plane->is_reversed()) return std::nullopt;
         if (plane->is_bisector()) largest = std::max(largest, largest_difference(p, *plane));
     }
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - word_bits) and its inverse must be normal.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
-    if (largest != 0 && (exponent <= word_bits || exponent == 0x7ff)) return false;
+    if (largest != 0 && (exponent <= word_bits || exponent == 0x7ff)) return std::nullopt;
     const int unit_exponent = largest == 0 ? 0 : exponent - 1022 - word_bits;
     const double unit = power_of_two(unit_exponent), per_unit = power_of_two(-unit_exponent);
     bool whole = true;
@@ -65,32 +67,33 @@ inline bool word_normals(const Point& p, std::span<const Plane* const> planes, S
         auto& n = normals[i];
         if (plane.is_bisector()) {
             const Differences difference = differences(p, plane);
-            if (!difference.exact) return false;
+            if (!difference.exact) return std::nullopt;
             for (int k = 0; k < 3; ++k) {
                 const auto [high, low] = difference.x[k];
-                if (low != low) return false;  // overflow
+                if (low != low) return std::nullopt;  // overflow
                 n[k] = units(high) + (low != 0 ? units(low) : 0);
             }
         } else {
             n = {};
             n[plane.axis] = wall_sign(plane);
         }
-        if (!whole) return false;
+        if (!whole) return std::nullopt;
     }
-    return true;
+    return unit_exponent;
 }
 
-// Removes a common power of two from all normals except walls.
-inline void reduce(std::span<const Plane* const> planes, Scratch<WordVector>& normals) {
+// Removes a common power of two from all normals except walls. Returns its exponent.
+inline int reduce(std::span<const Plane* const> planes, Scratch<WordVector>& normals) {
     std::uint64_t any = 0;
     for (std::size_t i = 0; i < planes.size(); ++i)
         if (planes[i]->is_bisector())
             for (const std::int64_t x : normals[i]) any |= static_cast<std::uint64_t>(x);
-    if (any == 0) return;
+    if (any == 0) return 0;
     const int zeros = std::countr_zero(any);
     for (std::size_t i = 0; i < planes.size(); ++i)
         if (planes[i]->is_bisector())
             for (std::int64_t& x : normals[i]) x >>= zeros;
+    return zeros;
 }
 
 // Writes a normal in a unit of its own. Returns false when the coordinates span more than 124 bits.
