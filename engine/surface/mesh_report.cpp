@@ -165,9 +165,10 @@ private:
         std::int32_t best = used_.front();
         tree_->visit_from(
             x, [&](const SeedTree::Node&, double square) { return square > least; },
-            [&](std::int32_t id, const exact::Point& place) {
-                const Vector3 d = minus(place, x);
-                if (const double square = dot(d, d); square < least) least = square, best = used_[at(id)];
+            [&](std::uint32_t number) {
+                const Vector3 d = minus(tree_->place(number), x);
+                if (const double square = dot(d, d); square < least)
+                    least = square, best = used_[at(tree_->seed(number))];
             });
         return best;
     }

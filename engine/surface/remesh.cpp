@@ -145,14 +145,15 @@ std::vector<double> goals_of(const SurfaceCells& cells, const std::vector<Vector
 // Steps of a relaxation, on threads that each step makes again.
 class Relaxation {
 public:
-    Relaxation(const TriangleMesh& mesh, unsigned threads, std::vector<double> points)
+    Relaxation(const TriangleMesh& mesh, unsigned threads, std::vector<double> points, SurfaceWant want)
         : mesh_(mesh), threads_(threads) {
         out_.points = std::move(points);
-        measure();
+        measure(want);
     }
 
-    // Moves seeds to their goals: three numbers each, NaN for those that stay. Returns the largest move.
-    double step(std::span<const double> goals) {
+    // Moves seeds to their goals: three numbers each, NaN for those that stay. Returns the largest move. want: of the
+    // cells after it.
+    double step(std::span<const double> goals, SurfaceWant want) {
         double largest = 0;
         for (std::size_t i = 0; i < out_.cells.size(); ++i) {
             const Vector3 from = place_of(out_.points, i), to{goals[3 * i], goals[3 * i + 1], goals[3 * i + 2]};
@@ -162,20 +163,30 @@ public:
         }
         const double area = std::accumulate(out_.cells.areas.begin(), out_.cells.areas.end(), 0.0);
         out_.moved.push_back(largest / std::sqrt(area / static_cast<double>(out_.cells.size())));
-        measure();
+        measure(want);
         return out_.moved.back();
     }
     void add(std::span<const double> points) {
         out_.points.insert(out_.points.end(), points.begin(), points.end());
-        measure();
+        measure(SurfaceWant::polygons);
+    }
+    // Makes all arrays of the cells.
+    void complete() {
+        if (!out_.cells.indptr.empty()) return;
+        out_.energies.pop_back();
+        measure(SurfaceWant::all);
     }
     [[nodiscard]] const SurfaceCells& cells() const { return out_.cells; }
     [[nodiscard]] const std::vector<double>& points() const { return out_.points; }
-    [[nodiscard]] SurfaceRelaxation take() { return std::move(out_); }
+    [[nodiscard]] SurfaceRelaxation take() {
+        complete();
+        return std::move(out_);
+    }
 
 private:
-    void measure() {
+    void measure(SurfaceWant want) {
         SurfaceOptions options;
+        options.want = want;
         options.threads = threads_;
         out_.cells = surface_cells(out_.points, mesh_, options);
         out_.energies.push_back(std::accumulate(out_.cells.energies.begin(), out_.cells.energies.end(), 0.0));
@@ -200,6 +211,7 @@ public:
     [[nodiscard]] Remesh make() {
         relax();
         mend();
+        relaxation_->complete();
         Remesh mesh = meshed();
         SurfaceRelaxation relaxed = relaxation_->take();
         mesh.points = std::move(relaxed.points);
@@ -219,7 +231,7 @@ private:
     }
 
     void step() {
-        relaxation_->step(goals_of(relaxation_->cells(), places()));
+        relaxation_->step(goals_of(relaxation_->cells(), places()), SurfaceWant::polygons);
         report_stage(std::min(++done_, all_steps_), all_steps_);
     }
 
@@ -227,7 +239,8 @@ private:
         std::size_t seeds = count_;
         const unsigned trial = std::min(trial_steps, options_.steps);
         for (unsigned attempt = 1;; ++attempt) {
-            relaxation_.emplace(mesh_, options_.threads, sample(scaled_, scale_, seeds, options_.rng_seed));
+            relaxation_.emplace(mesh_, options_.threads, sample(scaled_, scale_, seeds, options_.rng_seed),
+                                SurfaceWant::polygons);
             for (unsigned k = 0; k < trial; ++k) step();
             const auto& pieces = relaxation_->cells().pieces;
             const double all = std::accumulate(pieces.begin(), pieces.end(), 0.0), wanted = static_cast<double>(count_);
@@ -242,6 +255,7 @@ private:
     void mend() {
         std::size_t added = 0;
         for (unsigned round = 0; round < max_rounds; ++round) {
+            relaxation_->complete();
             const SurfaceCells& cells = relaxation_->cells();
             const Remesh mesh = meshed();
             const std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
@@ -318,13 +332,14 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
                ": it must be finite and not negative");
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {0, 1});
-    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()});
+    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()},
+                                   SurfaceWant::nearest);
     for (unsigned step = 0; step < options.steps; ++step) {
         report_stage(step + 1, std::size_t{options.steps} + 1);
         std::vector<double> goals = relaxation.cells().nearest;
         for (std::size_t i = 0; i < options.fixed.size(); ++i)
             if (options.fixed[i] != 0) goals[3 * i] = surface::nan;
-        if (relaxation.step(goals) <= options.tolerance) break;
+        if (relaxation.step(goals, SurfaceWant::nearest) <= options.tolerance) break;
     }
     return relaxation.take();
 }

@@ -17,7 +17,7 @@ typedef struct votess_surface_options {
     const double* weights;  // count, length unit squared; NULL for none
     double tolerance;       // as TriangleMesh::tolerance
     int32_t merge;          // 1: vertices at equal places are one
-    int32_t reserved;
+    int32_t want;           // SurfaceWant, 0: all arrays; the others are then empty
     votess_progress_callback progress;  // may be NULL
     void* user;
 } votess_surface_options;

@@ -20,10 +20,19 @@
 
 namespace votess {
 
+// Which arrays of SurfaceCells to make. Each requests those of the former too; the others stay empty.
+enum class SurfaceWant : std::int32_t {
+    areas = 1,     // areas, borders
+    nearest = 2,   // centroids, nearest, energies
+    polygons = 3,  // pieces, euler, polygon_*, corners, beyond, vertices
+    all = 4,       // rows and duals
+};
+
 struct SurfaceOptions {
     std::span<const double> weights = {};  // N, length unit squared, as Options::weights; empty: none
-    unsigned threads = 0;                  // as Options::threads
-    ProgressCallback progress = {};        // as Options::progress
+    SurfaceWant want = SurfaceWant::all;
+    unsigned threads = 0;            // as Options::threads
+    ProgressCallback progress = {};  // as Options::progress
 };
 
 // N cells on a surface of V vertices and T triangles.
@@ -64,7 +73,8 @@ struct VOTESS_API SurfaceCells {
     [[nodiscard]] std::size_t size() const noexcept { return areas.size(); }  // N
     // Returns the seeds at which the dual may differ from the surface (Edelsbrunner, Shah: Triangulating topological
     // spaces, 1997). Their part is not a disk, or shares several curves or a closed one with a neighbor, or meets
-    // two neighbors at several places. More seeds near them mend this. Seeds without a part are not among them.
+    // two neighbors at several places. More seeds near them mend this. Seeds without a part are not among them. Throws
+    // invalid_argument unless all arrays were wanted.
     [[nodiscard]] std::vector<std::int32_t> faults() const;
 };
 
