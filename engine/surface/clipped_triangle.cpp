@@ -50,7 +50,7 @@ bool ClippedTriangle::clip(std::uint32_t number) {
     }
     rounding_ = 16 * unit * (std::sqrt(farthest) + 1);  // of the absolute place too
     size_ = 3;
-    if (polygon_.size() < 3) polygon_.resize(16), next_.resize(16), values_.resize(16);
+    if (polygon_.size() < 3) polygon_.resize(16), next_.resize(16);
     for (std::size_t i = 0; i < 3; ++i)
         polygon_[i] = {-1 - static_cast<Side>(i), places_[i].relative, rounding_,
                        {i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}, 0};
@@ -76,11 +76,17 @@ bool ClippedTriangle::clip(std::uint32_t number) {
     return true;
 }
 
-// Tries all seeds within reach.
+// Tries all seeds within reach of corners that near seeds do not cover.
 bool ClippedTriangle::search_tree() {
     bool is_empty = false;
     const std::uint32_t own = number_;
-    const auto skip = [&](const SeedTree::Node& node, double) { return is_empty || !in_reach(node); };
+    find_balls();
+    std::size_t clips = clips_;
+    const auto skip = [&](const SeedTree::Node& node, double) {
+        if (clips_ != clips) find_balls();
+        clips = clips_;
+        return is_empty || !in_reach(node);
+    };
     tree_.visit_from(origin_, skip, [&](std::uint32_t number) {
         if (is_empty || number == own || std::ranges::find(bisectors_, number, &Bisector::number) != bisectors_.end())
             return;
@@ -90,23 +96,29 @@ bool ClippedTriangle::search_tree() {
     return !is_empty;
 }
 
-// Returns whether any seed in a box may be nearer to a corner than its own seed is, or as near.
-bool ClippedTriangle::in_reach(const SeedTree::Node& node) const {
+void ClippedTriangle::find_balls() {
+    balls_.clear();
     for (std::size_t i = 0; i < size_; ++i) {
         const Corner& c = polygon_[i];
         const double distance = length(c.x) * (1 + 4 * unit) + c.error;
         if (distance < searched_) continue;
-        const exact::Point x{origin_[0] + c.x[0], origin_[1] + c.x[1], origin_[2] + c.x[2]};
-        double radius = distance;
+        balls_.push_back({{origin_[0] + c.x[0], origin_[1] + c.x[1], origin_[2] + c.x[2]}, distance, c.error});
+    }
+}
+
+// Returns whether any seed in a box may be nearer to a corner than its own seed is, or as near.
+bool ClippedTriangle::in_reach(const SeedTree::Node& node) const {
+    for (const Ball& ball : balls_) {
+        double radius = ball.radius;
         if (surface_.has_weights()) {
-            const double own = surface_.weight(seed_), square = distance * distance;
+            const double own = surface_.weight(seed_), square = radius * radius;
             const double power = square - own + node.weight +
                                  search_rounding * (square + std::abs(own) + std::abs(node.weight));
             if (power < 0) continue;
             radius = std::sqrt(power);
         }
-        radius += c.error;
-        if (SeedTree::square_distance(node, x) <= radius * radius * (1 + search_rounding)) return true;
+        radius += ball.error;
+        if (SeedTree::square_distance(node, ball.center) <= radius * radius * (1 + search_rounding)) return true;
     }
     return false;
 }
@@ -121,14 +133,18 @@ bool ClippedTriangle::try_seed(std::uint32_t number, const Vector3& q, double sq
         slack += search_rounding * (std::abs(own) + std::abs(other));
     }
     const double bound = 2 * norm * error_ + slack;
-    double largest = -infinity;
-    for (std::size_t i = 0; i < size_; ++i) {
-        const Vector3& x = polygon_[i].x;
-        const double value = 2 * (q[0] * x[0] + q[1] * x[1] + q[2] * x[2]) - constant;
-        values_[i] = value;
-        largest = value > largest ? value : largest;
+    std::array<double, lanes> largest;
+    largest.fill(-infinity);
+    for (std::size_t i = 0; i < size_; i += lanes) {
+        const double* const x = &lanes_[3 * i];
+        double* const out = &values_[i];
+        for (std::size_t j = 0; j < lanes; ++j) {
+            const double value = 2 * (q[0] * x[j] + q[1] * x[lanes + j] + q[2] * x[2 * lanes + j]) - constant;
+            out[j] = value;
+            largest[j] = value > largest[j] ? value : largest[j];
+        }
     }
-    if (largest < -bound) return true;
+    if (std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3])) < -bound) return true;
     add_bisector(number, q, square);
     const auto b = static_cast<Side>(bisectors_.size() - 1);
     std::size_t outside = 0;
@@ -202,14 +218,24 @@ void ClippedTriangle::clip_by(Side b) {
     }
     std::swap(polygon_, next_);
     size_ = count;
-    if (values_.size() < size_) values_.resize(2 * size_);
+    ++clips_;
     find_radius();
 }
 
+// Finds the largest distance of a corner, and lists the places of all.
 void ClippedTriangle::find_radius() {
     double square = 0, error = 0;
-    for (std::size_t i = 0; i < size_; ++i) {
-        const Corner& c = polygon_[i];
+    const std::size_t padded = (size_ + lanes - 1) / lanes * lanes;
+    if (values_.size() < padded) {
+        values_.resize(2 * padded);
+        lanes_.resize(3 * values_.size());
+    }
+    for (std::size_t i = 0; i < padded; ++i) {
+        const Corner& c = polygon_[i < size_ ? i : size_ - 1];
+        double* const to = &lanes_[3 * (i - i % lanes) + i % lanes];
+        to[0] = c.x[0];
+        to[lanes] = c.x[1];
+        to[2 * lanes] = c.x[2];
         const double own = dot(c.x, c.x);
         square = own > square ? own : square;
         error = c.error > error ? c.error : error;

@@ -82,6 +82,7 @@ private:
         double largest, error;            // of these
     };
     [[nodiscard]] bool try_seed(std::uint32_t number, const Vector3& q, double square);
+    void find_balls();
     [[nodiscard]] bool in_reach(const SeedTree::Node& node) const;
     [[nodiscard]] bool search_tree();
     void add_bisector(std::uint32_t number, const Vector3& q, double square);
@@ -109,8 +110,15 @@ private:
     solid::MeshSigns::Places places_;
     std::vector<Bisector> bisectors_;
     std::vector<Corner> polygon_, next_;  // the first size_
-    std::vector<double> values_;          // of a bisector at the corners
-    std::size_t size_ = 0;
+    static constexpr std::size_t lanes = 4;
+    std::vector<double> lanes_;   // places of so many corners: x, y, z; the last corner fills them up
+    std::vector<double> values_;  // of a bisector at the corners
+    struct Ball {                 // around a corner, through the seed
+        exact::Point center;
+        double radius, error;
+    };
+    std::vector<Ball> balls_;
+    std::size_t size_ = 0, clips_ = 0;
     double searched_ = 0;            // distance of a corner up to which all seeds were tried that may cut it off
     double radius_ = 0, error_ = 0;  // of corners: the largest distance, with its error, and the largest error
     std::vector<std::uint8_t> lengthless_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -44,6 +45,23 @@ solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
     std::frexp(largest, &exponent);
     scale = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
     return {mesh, scale};
+}
+
+void multiply(std::vector<double>& values, std::initializer_list<double> factors) {
+    for (double& value : values)
+        for (const double factor : factors) value *= factor;
+}
+
+// Turns a mesh of the arrays of near_unit() into one of the given mesh.
+void unscale(Remesh& mesh, double scale) {
+    SurfaceCells& cells = mesh.cells;
+    for (std::vector<double>* lengths : {&mesh.vertices, &mesh.points, &cells.centroids, &cells.nearest, &cells.borders,
+                                         &cells.lengths, &cells.vertices})
+        multiply(*lengths, {scale});
+    for (std::vector<double>* areas : {&cells.areas, &cells.polygon_areas}) multiply(*areas, {scale, scale});
+    for (std::vector<double>* energies : {&mesh.energies, &cells.energies})
+        multiply(*energies, {scale, scale, scale, scale});
+    mesh.distance *= scale;
 }
 
 std::vector<double> sample(const solid::MeshArrays& mesh, double scale, std::size_t count, std::uint64_t rng_seed) {
@@ -200,9 +218,8 @@ private:
 class Remeshing {
 public:
     Remeshing(const solid::ClosedMesh& closed, std::size_t count, const RemeshOptions& options)
-        : given_(closed, 1),
-          mesh_(given_.view()),
-          scaled_(near_unit(closed, scale_)),
+        : scaled_(near_unit(closed, scale_)),
+          mesh_(scaled_.view()),
           features_(scaled_, options.sharp),
           count_(count),
           options_(options),
@@ -217,7 +234,8 @@ public:
         mesh.points = std::move(relaxed.points);
         mesh.energies = std::move(relaxed.energies);
         mesh.cells = std::move(relaxed.cells);
-        report_on_mesh(mesh, features_);
+        report_on_mesh(mesh, features_, scaled_);
+        unscale(mesh, scale_);
         return mesh;
     }
 
@@ -239,7 +257,7 @@ private:
         std::size_t seeds = count_;
         const unsigned trial = std::min(trial_steps, options_.steps);
         for (unsigned attempt = 1;; ++attempt) {
-            relaxation_.emplace(mesh_, options_.threads, sample(scaled_, scale_, seeds, options_.rng_seed),
+            relaxation_.emplace(mesh_, options_.threads, sample(scaled_, 1, seeds, options_.rng_seed),
                                 SurfaceWant::polygons);
             for (unsigned k = 0; k < trial; ++k) step();
             const auto& pieces = relaxation_->cells().pieces;
@@ -300,10 +318,9 @@ private:
         return mesh;
     }
 
-    solid::MeshArrays given_;
-    TriangleMesh mesh_;
     double scale_ = 1;
     solid::MeshArrays scaled_;
+    TriangleMesh mesh_;
     Features features_;
     std::size_t count_;
     const RemeshOptions& options_;

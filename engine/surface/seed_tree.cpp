@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t leaf_seeds = 8;
 // Seeds around a leaf, whose distance is tried.
 constexpr std::size_t min_count = 32, max_count = 192;
-constexpr double first_distance = 0.9;  // in units of the leaf's longest side
+constexpr double first_distance = 1.0;  // in units of the leaf's longest side
 constexpr int max_tries = 40;
 
 }  // namespace
@@ -109,8 +109,9 @@ std::unique_ptr<NearSeeds::Lists> NearSeeds::make(const SeedTree::Node& leaf) co
     const std::size_t wanted = std::min(min_count, tree_.size());
     double distance = first_distance * longest(leaf), low = 0, high = std::numeric_limits<double>::infinity();
     if (!(distance > 0)) distance = longest(tree_.nodes()[0]) / std::sqrt(static_cast<double>(tree_.size()));
-    thread_local std::vector<std::uint32_t> found;
-    thread_local std::vector<std::uint64_t> near;
+    std::vector<std::uint32_t> found;
+    std::vector<std::uint64_t> near;
+    found.reserve(max_count + leaf_seeds);
     for (int tries = 0;; ++tries) {
         collect(leaf, distance, found);
         const bool is_last = tries == max_tries;

@@ -109,14 +109,14 @@ struct VOTESS_API SurfaceRelaxation {
 // Returns `count` random places, uniform by area: 3 * count numbers, one place in each stretch of equal area. The same
 // on every machine. Throws invalid_argument as surface_cells().
 [[nodiscard]] VOTESS_API std::vector<double> sample_surface(const TriangleMesh& surface, std::size_t count,
-                                                            std::uint64_t rng_seed = 0);
+                                                            std::uint64_t rng_seed = 1);
 
 struct RemeshOptions {
     unsigned steps = 30;  // of the relaxation
     // Degrees, above 0: an edge at which the surface turns by more is sharp, and a sharp edge has a corner where it
     // turns by more. 180: keep borders alone.
     double sharp = 40;
-    std::uint64_t rng_seed = 0;      // of the first places
+    std::uint64_t rng_seed = 1;      // of the first places
     unsigned threads = 0;            // as Options::threads
     ProgressCallback progress = {};  // as Options::progress
 };

@@ -303,7 +303,7 @@ def remesh(
     *,
     steps: int = 30,
     sharp: float = 40.0,
-    rng_seed: int = 0,
+    rng_seed: int = 1,
     merge: bool = False,
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
