@@ -52,8 +52,8 @@ bool ClippedTriangle::clip(std::uint32_t number) {
     size_ = 3;
     if (polygon_.size() < 3) polygon_.resize(16), next_.resize(16);
     for (std::size_t i = 0; i < 3; ++i)
-        polygon_[i] = {-1 - static_cast<Side>(i), places_[i].relative, rounding_,
-                       {i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}, 0};
+        polygon_[i] = {
+            -1 - static_cast<Side>(i), places_[i].relative, rounding_, {i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}, 0};
     find_radius();
     const NearSeeds::List near = near_.of(number);
     bool is_done = false;
@@ -112,8 +112,8 @@ bool ClippedTriangle::in_reach(const SeedTree::Node& node) const {
         double radius = ball.radius;
         if (surface_.has_weights()) {
             const double own = surface_.weight(seed_), square = radius * radius;
-            const double power = square - own + node.weight +
-                                 search_rounding * (square + std::abs(own) + std::abs(node.weight));
+            const double power =
+                square - own + node.weight + search_rounding * (square + std::abs(own) + std::abs(node.weight));
             if (power < 0) continue;
             radius = std::sqrt(power);
         }
@@ -133,16 +133,15 @@ bool ClippedTriangle::try_seed(std::uint32_t number, const Vector3& q, double sq
         slack += search_rounding * (std::abs(own) + std::abs(other));
     }
     const double bound = 2 * norm * error_ + slack;
-    std::array<double, lanes> largest;
+    const double q0 = q[0], q1 = q[1], q2 = q[2];
+    const double* x = lanes_.data();
+    std::array<double, lanes> largest, value;
     largest.fill(-infinity);
-    for (std::size_t i = 0; i < size_; i += lanes) {
-        const double* const x = &lanes_[3 * i];
-        double* const out = &values_[i];
-        for (std::size_t j = 0; j < lanes; ++j) {
-            const double value = 2 * (q[0] * x[j] + q[1] * x[lanes + j] + q[2] * x[2 * lanes + j]) - constant;
-            out[j] = value;
-            largest[j] = value > largest[j] ? value : largest[j];
-        }
+    for (std::size_t i = 0; i < size_; i += lanes, x += 3 * lanes) {
+        for (std::size_t j = 0; j < lanes; ++j)
+            value[j] = 2 * (q0 * x[j] + q1 * x[lanes + j] + q2 * x[2 * lanes + j]) - constant;
+        for (std::size_t j = 0; j < lanes; ++j) largest[j] = value[j] > largest[j] ? value[j] : largest[j];
+        std::copy(value.begin(), value.end(), &values_[i]);
     }
     if (std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3])) < -bound) return true;
     add_bisector(number, q, square);
@@ -230,12 +229,16 @@ void ClippedTriangle::find_radius() {
         values_.resize(2 * padded);
         lanes_.resize(3 * values_.size());
     }
-    for (std::size_t i = 0; i < padded; ++i) {
-        const Corner& c = polygon_[i < size_ ? i : size_ - 1];
+    const auto set = [&](std::size_t i, const Vector3& x) {
         double* const to = &lanes_[3 * (i - i % lanes) + i % lanes];
-        to[0] = c.x[0];
-        to[lanes] = c.x[1];
-        to[2 * lanes] = c.x[2];
+        to[0] = x[0];
+        to[lanes] = x[1];
+        to[2 * lanes] = x[2];
+    };
+    for (std::size_t i = size_; i < padded; ++i) set(i, polygon_[0].x);
+    for (std::size_t i = 0; i < size_; ++i) {
+        const Corner& c = polygon_[i];
+        set(i, c.x);
         const double own = dot(c.x, c.x);
         square = own > square ? own : square;
         error = c.error > error ? c.error : error;
@@ -282,8 +285,8 @@ ClippedTriangle::Weights ClippedTriangle::weights(Side in, Side out) const {
     const Bisector &a = bisectors_[at(turned ? out : in)], &b = bisectors_[at(turned ? in : out)];
     const Vector3 of = cross(Vector3{a.values[0].s, a.values[1].s, a.values[2].s},
                              Vector3{b.values[0].s, b.values[1].s, b.values[2].s});
-    const double error = 2 * (a.largest * b.error + a.error * b.largest + a.error * b.error) +
-                         4 * unit * a.largest * b.largest;
+    const double error =
+        2 * (a.largest * b.error + a.error * b.largest + a.error * b.error) + 4 * unit * a.largest * b.largest;
     const double sum = of[0] + of[1] + of[2], sure = std::abs(sum) - 3 * error;
     const double inverse = 1 / sum;
     return {{of[0] * inverse, of[1] * inverse, of[2] * inverse}, sure > 0 ? 4 * error / sure + 8 * unit : infinity};
@@ -343,16 +346,16 @@ void ClippedTriangle::set_weights(Corner& corner, const Weights& weights) const 
     static constexpr std::array<double, 3> first{1, 0, 0};
     if (!(error < longest_)) of = &first, error = longest_;  // somewhere in the triangle
     for (std::size_t k = 0; k < 3; ++k)
-        corner.x[k] = (*of)[0] * places_[0].relative[k] + (*of)[1] * places_[1].relative[k] +
-                      (*of)[2] * places_[2].relative[k];
+        corner.x[k] =
+            (*of)[0] * places_[0].relative[k] + (*of)[1] * places_[1].relative[k] + (*of)[2] * places_[2].relative[k];
     corner.error = error + rounding_;
 }
 
 void ClippedTriangle::settle() {
     for (std::size_t i = 0; i < size_; ++i) {
         Corner& c = polygon_[i];
-        const bool is_sure = c.weight_error <= weight_rounding &&
-                             c.weight_error * longest_ <= place_rounding * (longest_ + length(c.x));
+        const bool is_sure =
+            c.weight_error <= weight_rounding && c.weight_error * longest_ <= place_rounding * (longest_ + length(c.x));
         if (!is_sure) set_weights(c, exact_weights(before(i), c.out));
     }
 }

@@ -111,7 +111,7 @@ private:
     std::vector<Bisector> bisectors_;
     std::vector<Corner> polygon_, next_;  // the first size_
     static constexpr std::size_t lanes = 4;
-    std::vector<double> lanes_;   // places of so many corners: x, y, z; the last corner fills them up
+    std::vector<double> lanes_;   // places of so many corners: x, y, z; the first corner fills them up
     std::vector<double> values_;  // of a bisector at the corners
     struct Ball {                 // around a corner, through the seed
         exact::Point center;

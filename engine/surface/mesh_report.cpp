@@ -138,7 +138,8 @@ double distance_of(const Remesh& mesh, const solid::MeshArrays& surface) {
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     for (const std::int32_t corner : corners) widen(of_mesh, place_at(mesh.cells.vertices, corner));
     for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-        const Vector3 a = place_at(mesh.vertices, mesh.triangles[t]), b = place_at(mesh.vertices, mesh.triangles[t + 1]),
+        const Vector3 a = place_at(mesh.vertices, mesh.triangles[t]),
+                      b = place_at(mesh.vertices, mesh.triangles[t + 1]),
                       c = place_at(mesh.vertices, mesh.triangles[t + 2]);
         const auto middle = [](const Vector3& u, const Vector3& v) { return along(u, minus(v, u), 0.5); };
         for (const Vector3& x :

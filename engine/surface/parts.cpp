@@ -226,8 +226,15 @@ private:
         clipped.settle();
         clipped.find_ties();
         const std::size_t size = clipped.size();
-        Part part{triangle, surface_.tree().seed(number), static_cast<std::uint32_t>(size), clipped.has_area(), 0, 0,
-                  {}, 0, chunk.sides.size()};
+        Part part{triangle,
+                  surface_.tree().seed(number),
+                  static_cast<std::uint32_t>(size),
+                  clipped.has_area(),
+                  0,
+                  0,
+                  {},
+                  0,
+                  chunk.sides.size()};
         measure(clipped, part);
         chunk.parts.push_back(part);
         for (std::size_t i = 0; i < size; ++i)
@@ -264,7 +271,8 @@ private:
             const auto &from = clipped.weights(i), &to = clipped.weights(i + 1 == size ? 0 : i + 1);
             const double s = to[0] - from[0], t = to[1] - from[1];
             const Vector3 u = surface_.vertex(triangle.vertex[0]);
-            const Vector3 a = minus(surface_.vertex(triangle.vertex[1]), u), b = minus(surface_.vertex(triangle.vertex[2]), u);
+            const Vector3 a = minus(surface_.vertex(triangle.vertex[1]), u),
+                          b = minus(surface_.vertex(triangle.vertex[2]), u);
             part.border += length3(s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]);
         }
     }

@@ -349,8 +349,7 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
                ": it must be finite and not negative");
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {0, 1});
-    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()},
-                                   SurfaceWant::nearest);
+    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()}, SurfaceWant::nearest);
     for (unsigned step = 0; step < options.steps; ++step) {
         report_stage(step + 1, std::size_t{options.steps} + 1);
         std::vector<double> goals = relaxation.cells().nearest;

@@ -73,7 +73,7 @@ private:
 
     std::vector<Node> nodes_;
     std::vector<std::int32_t> order_;
-    std::vector<exact::Point> places_;     // in that order
+    std::vector<exact::Point> places_;    // in that order
     std::vector<std::uint32_t> leaf_of_;  // nodes, in that order
 };
 

@@ -228,8 +228,7 @@ SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& m
 }
 
 std::vector<std::int32_t> SurfaceCells::faults() const {
-    if (indptr.size() != size() + 1)
-        refuse("SurfaceCells::faults() needs all arrays: set SurfaceOptions::want to all");
+    if (indptr.size() != size() + 1) refuse("SurfaceCells::faults() needs all arrays: set SurfaceOptions::want to all");
     std::vector<std::uint8_t> bad(size());
     for (std::size_t i = 0; i < size(); ++i) {
         if (pieces[i] > 0 && (pieces[i] != 1 || euler[i] != 1)) bad[i] = 1;
