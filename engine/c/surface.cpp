@@ -14,7 +14,9 @@ struct votess_surface {
     votess::Remesh mesh;                          // without its cells, points and energies
     bool is_mesh = false;
 
-    explicit votess_surface(votess::SurfaceCells of) : cells(std::move(of)), faults(cells.faults()) {}
+    explicit votess_surface(votess::SurfaceCells of) : cells(std::move(of)) {
+        if (!cells.indptr.empty()) faults = cells.faults();
+    }
 };
 
 namespace {
@@ -42,6 +44,7 @@ votess_status votess_surface_new(const double* points, size_t count, const doubl
             mesh_of(vertices, vertex_count, triangles, triangle_count, all.merge, all.tolerance);
         votess::SurfaceOptions given;
         if (all.weights != nullptr) given.weights = {all.weights, count};
+        if (all.want != 0) given.want = static_cast<votess::SurfaceWant>(all.want);
         given.threads = all.threads;
         if (all.progress != nullptr) given.progress = watching(all.progress, all.user);
         return votess_surface(votess::surface_cells(coordinates(points, count), mesh, given));

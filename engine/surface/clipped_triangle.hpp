@@ -1,8 +1,9 @@
 // One triangle, clipped to one cell.
 //
 // The part is a convex polygon. A list of its sides describes it: edges of the triangle, and bisectors. Clipping it by
-// a bisector needs the side of each corner, which MeshSigns decides. Ranks decide ties: see mesh_signs.hpp. So the
-// parts are those of a power diagram in general position, and tile the triangle.
+// a bisector needs the side of each corner. The place of the corner decides it where its error is small enough, else
+// MeshSigns does. Ranks decide ties: see mesh_signs.hpp. So the parts are those of a power diagram in general position,
+// and tile the triangle.
 //
 // A seed cuts the part only if a corner is nearer to it. So seeds are tried in the order of their distance, until the
 // balls around all corners that touch the seed are searched. Their places need only be good enough for that.
@@ -13,7 +14,7 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
+#include <initializer_list>
 #include <vector>
 
 #include "exact/integer/big_int.hpp"
@@ -32,17 +33,31 @@ using Side = std::int32_t;
 
 class ClippedTriangle {
 public:
-    explicit ClippedTriangle(const Surface& surface) : surface_(surface) {}
+    ClippedTriangle(const Surface& surface, const NearSeeds& near)
+        : surface_(surface), tree_(surface.tree()), near_(near) {}
 
-    // near: seeds around this one, the nearest first, without itself. Returns whether there is a part.
-    bool clip(std::int32_t triangle, std::int32_t seed, std::span<const std::int32_t> near);
+    void set_triangle(std::int32_t triangle);
+    // Clips it to the cell of a seed, which has a number in the tree. Returns whether there is a part.
+    bool clip(std::uint32_t number);
 
     // Sides of the part: side i leads from corner i.
-    [[nodiscard]] std::size_t size() const { return sides_.size(); }
-    [[nodiscard]] Side side(std::size_t i) const { return sides_[i] < 0 ? sides_[i] : ids_[at(sides_[i])]; }
-    // Returns where corner i lies: weights of the second and third vertex. For a corner on an edge of the triangle: the
-    // weight of the edge's higher vertex, and 0.
-    [[nodiscard]] std::array<double, 2> place(std::size_t i) const;
+    [[nodiscard]] std::size_t size() const { return size_; }
+    [[nodiscard]] Side side(std::size_t i) const {
+        const Side side = polygon_[i].out;
+        return side < 0 ? side : bisectors_[at(side)].seed;
+    }
+    // The number of the seed beyond a bisector, or none for an edge.
+    static constexpr std::uint32_t none = 0xffffffff;
+    [[nodiscard]] std::uint32_t beyond(std::size_t i) const {
+        const Side side = polygon_[i].out;
+        return side < 0 ? none : bisectors_[at(side)].number;
+    }
+    // Rounds the places of corners well enough.
+    void settle();
+    // Weights of the second and third vertex at corner i.
+    [[nodiscard]] const std::array<double, 2>& weights(std::size_t i) const { return polygon_[i].weights; }
+    // Its place relative to the seed.
+    [[nodiscard]] const Vector3& place(std::size_t i) const { return polygon_[i].x; }
     // Finds which sides have no length, and whether the part has no area.
     void find_ties();
     [[nodiscard]] bool has_length(std::size_t i) const { return lengthless_.empty() || lengthless_[i] == 0; }
@@ -50,37 +65,62 @@ public:
 
 private:
     struct Corner {
-        Vector3 x;      // relative to the seed
-        double error;   // bound on the distance
-        double reach;   // square of the distance within which seeds may cut it off, without weights
-        double radius;  // distance from the seed, at most
+        Side out;                       // the side from it: a bisector's number here, or an edge
+        Vector3 x;                      // relative to the seed
+        double error;                   // bound on the distance
+        std::array<double, 2> weights;  // of the second and third vertex
+        double weight_error;            // bound, of each
     };
     struct Weights {
         std::array<double, 3> of;  // vertices of the triangle
         double error;              // bound, of each
     };
-    [[nodiscard]] bool try_seed(std::int32_t id);
-    [[nodiscard]] bool in_reach(std::int32_t id) const;
+    struct Bisector {
+        std::int32_t seed;  // beyond it
+        std::uint32_t number;
+        solid::MeshSigns::Values values;  // at the vertices
+        double largest, error;            // of these
+    };
+    [[nodiscard]] bool try_seed(std::uint32_t number, const Vector3& q, double square);
+    void find_balls();
     [[nodiscard]] bool in_reach(const SeedTree::Node& node) const;
-    [[nodiscard]] bool clip_by(std::size_t b);
-    [[nodiscard]] int sign_at(Side in, Side out, std::size_t b) const;
+    [[nodiscard]] bool search_tree();
+    void add_bisector(std::uint32_t number, const Vector3& q, double square);
+    void clip_by(Side b);
+    void find_radius();
+    [[nodiscard]] int sign_at(Side in, Side out, Side b);
+    void set_signs(std::initializer_list<Side> bisectors);
     [[nodiscard]] Weights weights(Side in, Side out) const;
     [[nodiscard]] Weights exact_weights(Side in, Side out) const;
     [[nodiscard]] std::array<exact::BigInt, 3> exact_values(std::int32_t id, const exact::BitRange& range) const;
-    [[nodiscard]] Corner corner(Side in, Side out) const;
-    [[nodiscard]] Side before(std::size_t i) const { return sides_[i == 0 ? sides_.size() - 1 : i - 1]; }
+    void set_corner(Corner& corner, Side in, Side out) const;
+    void set_weights(Corner& corner, const Weights& weights) const;
+    [[nodiscard]] Side before(std::size_t i) const { return polygon_[i == 0 ? size_ - 1 : i - 1].out; }
 
     const Surface& surface_;
+    const SeedTree& tree_;
+    const NearSeeds& near_;
     const Surface::Triangle* triangle_ = nullptr;
+    double longest_ = 0;  // a bound on the triangle's longest edge
+    std::uint32_t number_ = 0;
     std::int32_t seed_ = 0;
-    double size_ = 0;  // a bound on the triangle's longest edge
+    exact::Point origin_{};
+    double rounding_ = 0;  // of places in the triangle
     solid::MeshSigns signs_;
     solid::MeshSigns::Places places_;
-    std::vector<std::int32_t> ids_;                 // by bisector: the seed beyond it
-    std::vector<solid::MeshSigns::Values> values_;  // by bisector
-    std::vector<Side> sides_, next_sides_;          // with numbers of bisectors
-    std::vector<Corner> corners_, next_corners_;
-    std::vector<int> outside_;
+    std::vector<Bisector> bisectors_;
+    std::vector<Corner> polygon_, next_;  // the first size_
+    static constexpr std::size_t lanes = 4;
+    std::vector<double> lanes_;   // places of so many corners: x, y, z; the first corner fills them up
+    std::vector<double> values_;  // of a bisector at the corners
+    struct Ball {                 // around a corner, through the seed
+        exact::Point center;
+        double radius, error;
+    };
+    std::vector<Ball> balls_;
+    std::size_t size_ = 0, clips_ = 0;
+    double searched_ = 0;            // distance of a corner up to which all seeds were tried that may cut it off
+    double radius_ = 0, error_ = 0;  // of corners: the largest distance, with its error, and the largest error
     std::vector<std::uint8_t> lengthless_;
     bool is_tied_ = false, has_area_ = true;
 };

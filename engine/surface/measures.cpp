@@ -9,90 +9,54 @@
 #include "surface/nearest.hpp"
 
 namespace votess::surface {
-namespace {}  // namespace
 
 void CellOnSurface::measure(std::int32_t seed, std::span<const std::size_t> own) {
     seed_ = seed;
     area = border = energy = 0;
-    moment_ = {};
-    sides_.clear();
-    part_areas.clear();
-    for (const std::size_t p : own) add_part(p);
+    Vector3 moment{};
+    for (const std::size_t p : own) {
+        const Part& part = parts_.list[p];
+        area += part.area;
+        border += part.border;
+        energy += part.energy;
+        for (std::size_t k = 0; k < 3; ++k) moment[k] += part.moment[k];
+    }
     centroid = nearest = {nan, nan, nan};
     if (area > 0) {
-        for (std::size_t k = 0; k < 3; ++k) centroid[k] = moment_[k] / area;
+        for (std::size_t k = 0; k < 3; ++k) centroid[k] = moment[k] / area;
         find_nearest(own);
     }
+    if (want_ < SurfaceWant::polygons) return;
+    sides_.clear();
+    for (const std::size_t p : own) add_sides(p);
     find_pieces(own);
-    find_row();
+    if (want_ == SurfaceWant::all) find_row();
 }
 
-// Returns the weights of the second and third vertex of the triangle at a corner.
-std::array<double, 2> CellOnSurface::weights(std::size_t p, std::size_t c) const {
-    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.triangles[p])];
-    const Side in = parts_.before(p, c), out = parts_.sides[c];
-    const auto vertex = [](std::size_t i) { return std::array{i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}; };
-    if (in < 0 && out < 0) return vertex(corner_of(out));
-    const auto& place = parts_.places[at(parts_.corners[c]) - surface_.vertices().size()];
-    if (in >= 0 && out >= 0) return place;
-    std::size_t from = corner_of(std::min(in, out)), to = (from + 1) % 3;
-    if (triangle.vertex[from] > triangle.vertex[to]) std::swap(from, to);
-    const auto a = vertex(from), b = vertex(to);
-    const double share = place[0];
-    return {(1 - share) * a[0] + share * b[0], (1 - share) * a[1] + share * b[1]};
-}
-
-void CellOnSurface::add_part(std::size_t p) {
-    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.triangles[p])];
-    const Vector3 u = surface_.vertex(triangle.vertex[0]), base = minus(u, surface_.seed(seed_));
+// Lists the sides on bisectors. Lengths come from shared corners, so that they are equal for both cells.
+void CellOnSurface::add_sides(std::size_t p) {
+    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.list[p].triangle)];
+    const Vector3 u = surface_.vertex(triangle.vertex[0]);
     const Vector3 a = minus(surface_.vertex(triangle.vertex[1]), u), b = minus(surface_.vertex(triangle.vertex[2]), u);
-    const std::size_t begin = parts_.begin(p), size = parts_.end(p) - begin;
-    weights_.clear();
-    places_.clear();
-    for (std::size_t i = 0; i < size; ++i) {
-        weights_.push_back(weights(p, begin + i));
-        places_.push_back(along(along(base, a, weights_[i][0]), b, weights_[i][1]));
-    }
-    double part = 0;
-    if (parts_.without_area[p] == 0)
-        for (std::size_t i = 1; i + 1 < size; ++i) {
-            const auto &o = weights_[0], &v = weights_[i], &w = weights_[i + 1];
-            const double share = (v[0] - o[0]) * (w[1] - o[1]) - (v[1] - o[1]) * (w[0] - o[0]);
-            const double piece = triangle.area * share;
-            part += piece;
-            Vector3 sum{};
-            double squares = 0;
-            for (const Vector3* x : {&places_[0], &places_[i], &places_[i + 1]}) {
-                for (std::size_t k = 0; k < 3; ++k) sum[k] += (*x)[k];
-                squares += dot(*x, *x);
-            }
-            for (std::size_t k = 0; k < 3; ++k) moment_[k] += piece / 3 * sum[k];
-            energy += piece / 12 * (squares + dot(sum, sum));
-        }
-    part = std::max(part, 0.0);  // may be rounded to less
-    area += part;
-    part_areas.push_back(part);
-    for (std::size_t i = 0; i < size; ++i) {
-        const std::size_t next = i + 1 == size ? 0 : i + 1;
-        const Side side = parts_.sides[begin + i];
-        const bool is_point = parts_.without_length[begin + i] != 0;
+    for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
+        if (parts_.sides[c] < 0) continue;
+        const std::size_t next = c + 1 == parts_.end(p) ? parts_.begin(p) : c + 1;
+        const bool is_point = parts_.without_length[c] != 0;
         double length = 0;
-        if (!is_point) {
-            const double s = weights_[next][0] - weights_[i][0], t = weights_[next][1] - weights_[i][1];
+        if (!is_point && want_ == SurfaceWant::all) {
+            const auto from = parts_.shared_weights(surface_, p, c), to = parts_.shared_weights(surface_, p, next);
+            const double s = to[0] - from[0], t = to[1] - from[1];
             length = length3(s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]);
         }
-        if (side >= 0)
-            sides_.push_back({side, p, parts_.corners[begin + i], parts_.corners[begin + next], length, is_point});
-        else if (surface_.edges()[at(triangle.edge[corner_of(side)])].triangles == 1)
-            border += length;
+        sides_.push_back({parts_.sides[c], p, parts_.corners[c], parts_.corners[next], length, is_point});
     }
 }
 
 // Returns a corner relative to the seed.
-Vector3 CellOnSurface::corner(std::size_t p, std::size_t c) const {
-    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.triangles[p])];
+Vector3 CellOnSurface::place(std::size_t p, std::size_t c) const {
+    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.list[p].triangle)];
     const Vector3 u = surface_.vertex(triangle.vertex[0]), base = minus(u, surface_.seed(seed_));
-    const auto w = weights(p, c);
+    const auto& w = parts_.weights[c];
     return along(along(base, minus(surface_.vertex(triangle.vertex[1]), u), w[0]),
                  minus(surface_.vertex(triangle.vertex[2]), u), w[1]);
 }
@@ -100,9 +64,9 @@ Vector3 CellOnSurface::corner(std::size_t p, std::size_t c) const {
 void CellOnSurface::find_nearest(std::span<const std::size_t> own) {
     double least = std::numeric_limits<double>::infinity();
     for (const std::size_t p : own) {
-        if (parts_.without_area[p] != 0) continue;
+        if (!parts_.list[p].has_area) continue;
         places_.clear();
-        for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) places_.push_back(corner(p, c));
+        for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) places_.push_back(place(p, c));
         for (std::size_t i = 1; i + 1 < places_.size(); ++i) {
             const Vector3 place = nearest_on_triangle(centroid, places_[0], places_[i], places_[i + 1]);
             if (const double d = distance(place, centroid); d < least) least = d, nearest = place;
@@ -125,7 +89,7 @@ void CellOnSurface::find_pieces(std::span<const std::size_t> own) {
     for (std::size_t i = 0; i < own.size(); ++i)
         for (std::size_t c = parts_.begin(own[i]); c < parts_.end(own[i]); ++c) {
             vertices_.push_back(parts_.corners[c]);
-            const auto& of_triangle = surface_.triangles()[at(parts_.triangles[own[i]])].edge;
+            const auto& of_triangle = surface_.triangles()[at(parts_.list[own[i]].triangle)].edge;
             if (parts_.sides[c] < 0) on_edges_.push_back({of_triangle[corner_of(parts_.sides[c])], i});
         }
     std::ranges::sort(on_edges_);

@@ -14,7 +14,8 @@ namespace votess::surface {
 // Scaled; one for each thread.
 class CellOnSurface {
 public:
-    CellOnSurface(const Surface& surface, const Parts& parts) : surface_(surface), parts_(parts) {}
+    CellOnSurface(const Surface& surface, const Parts& parts, SurfaceWant want)
+        : surface_(surface), parts_(parts), want_(want) {}
 
     struct Shared {
         std::int32_t seed;
@@ -26,10 +27,10 @@ public:
 
     double area, border, energy;
     Vector3 centroid, nearest;  // relative to the seed; NaN without an area
+    // Filled from SurfaceWant::polygons on.
     std::int32_t pieces, euler;
-    std::vector<Shared> row;                // ascending
-    std::vector<double> part_areas;         // of each part
     std::vector<std::int32_t> part_pieces;  // of each part, from 0 in the order of their first part
+    std::vector<Shared> row;                // ascending; filled for SurfaceWant::all
 
 private:
     // A side on a bisector: the seed beyond it, its part, and its corners.
@@ -40,24 +41,22 @@ private:
         double length;
         bool is_point;
     };
-    void add_part(std::size_t p);
+    void add_sides(std::size_t p);
     void find_nearest(std::span<const std::size_t> own);
     void find_pieces(std::span<const std::size_t> own);
     void find_row();
-    [[nodiscard]] Vector3 corner(std::size_t p, std::size_t c) const;
-    [[nodiscard]] std::array<double, 2> weights(std::size_t p, std::size_t c) const;
+    [[nodiscard]] Vector3 place(std::size_t p, std::size_t c) const;
     [[nodiscard]] std::size_t root(std::size_t i);
 
     const Surface& surface_;
     const Parts& parts_;
+    SurfaceWant want_;
     std::int32_t seed_ = 0;
-    Vector3 moment_{};
     std::vector<OnBisector> sides_;
     std::vector<std::pair<std::int32_t, std::size_t>> on_edges_;  // edges of the surface, and parts by their order
     std::vector<std::int32_t> vertices_;
     std::vector<std::size_t> joined_;  // a forest
     std::vector<std::pair<std::int32_t, std::size_t>> ends_;
-    std::vector<std::array<double, 2>> weights_;
     std::vector<Vector3> places_;
 };
 

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "core/arithmetic.hpp"
@@ -13,7 +11,6 @@
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
 #include "surface/nearest.hpp"
-#include "surface/seed_tree.hpp"
 
 namespace votess::surface {
 namespace {
@@ -49,136 +46,108 @@ std::vector<std::int32_t> first_parts(const SurfaceCells& cells) {
     return first;
 }
 
-// Lists of items by vertex.
-class Lists {
+// A tree of boxes over triangles.
+class TriangleTree {
 public:
-    // of_item(item): its vertices.
-    template <class Vertices>
-    Lists(std::size_t vertices, std::size_t items, const Vertices& of_item) : begin_(vertices + 1) {
-        for (std::size_t i = 0; i < items; ++i)
-            for (const std::int32_t v : of_item(i)) ++begin_[at(v) + 1];
-        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-        items_.resize(begin_.back());
-        std::vector<std::size_t> next = begin_;
-        for (std::size_t i = 0; i < items; ++i)
-            for (const std::int32_t v : of_item(i)) items_[next[at(v)]++] = i;
+    TriangleTree(const std::vector<double>& vertices, const std::vector<std::int32_t>& triangles) {
+        for (std::size_t k = 0; k < triangles.size(); k += 3)
+            triangles_.push_back({place_at(vertices, triangles[k]), place_at(vertices, triangles[k + 1]),
+                                  place_at(vertices, triangles[k + 2])});
+        if (!triangles_.empty()) split(0, triangles_.size());
     }
-    [[nodiscard]] std::span<const std::size_t> of(std::int32_t vertex) const {
-        return {items_.data() + begin_[at(vertex)], begin_[at(vertex) + 1] - begin_[at(vertex)]};
+
+    // Returns the distance of a place from the triangles, or a distance of at most `enough` if there is one.
+    [[nodiscard]] double distance_from(const Vector3& x, double enough) const {
+        double least = infinity;
+        if (!nodes_.empty()) search(0, x, enough, least);
+        return least;
     }
 
 private:
-    std::vector<std::size_t> begin_, items_;
-};
+    using Triangle = std::array<Vector3, 3>;
+    struct Node {
+        Vector3 lower, upper;
+        std::size_t begin, end;  // triangles
+        std::size_t second = 0;  // the second child, the first follows; 0 for a leaf
+    };
+    static constexpr std::size_t leaf_triangles = 4;
 
-// Distances between a mesh and the surface that its cells lie on. What is near a vertex is looked for around it and its
-// neighbors.
-class Distances {
-public:
-    explicit Distances(const Remesh& mesh)
-        : mesh_(mesh),
-          triangles_(mesh.vertices.size() / 3, mesh.triangles.size() / 3,
-                     [&](std::size_t t) { return std::span(mesh.triangles).subspan(3 * t, 3); }),
-          polygons_(mesh.vertices.size() / 3, mesh.cells.polygon_pieces.size(),
-                    [&](std::size_t p) { return std::span(mesh.cells.polygon_pieces).subspan(p, 1); }) {}
-
-    [[nodiscard]] double largest() {
-        if (mesh_.triangles.empty()) return infinity;
-        double largest = 0;
-        for (std::int32_t v = 0; at(v) < mesh_.vertices.size() / 3; ++v) {
-            check_stop();
-            gather({v});
-            if (near_.empty()) continue;
-            const bool has_triangles = !triangles_.of(v).empty();
-            for (const std::size_t p : polygons_.of(v))
-                for (std::int64_t c = mesh_.cells.polygon_offsets[p]; c < mesh_.cells.polygon_offsets[p + 1]; ++c) {
-                    const Vector3 x = place_at(mesh_.cells.vertices, mesh_.cells.corners[at(c)]);
-                    if (!has_triangles) gather({nearest_vertex(x)});
-                    largest = std::max(largest, to_mesh(x));
+    void split(std::size_t begin, std::size_t end) {
+        if (nodes_.size() % 1024 == 0) check_stop();
+        const std::size_t node = nodes_.size();
+        Node made{triangles_[begin][0], triangles_[begin][0], begin, end};
+        for (std::size_t t = begin; t < end; ++t)
+            for (const Vector3& x : triangles_[t])
+                for (std::size_t k = 0; k < 3; ++k) {
+                    made.lower[k] = std::min(made.lower[k], x[k]);
+                    made.upper[k] = std::max(made.upper[k], x[k]);
                 }
-        }
-        for (std::size_t t = 0; t < mesh_.triangles.size() / 3; ++t) {
-            check_stop();
-            const std::int32_t* const corner = &mesh_.triangles[3 * t];
-            gather({corner[0], corner[1], corner[2]});
-            const Vector3 a = place_at(mesh_.vertices, corner[0]), b = place_at(mesh_.vertices, corner[1]),
-                          c = place_at(mesh_.vertices, corner[2]);
-            const auto middle = [](const Vector3& u, const Vector3& v) { return along(u, minus(v, u), 0.5); };
-            for (const Vector3& x :
-                 {middle(a, b), middle(b, c), middle(c, a), along(middle(a, b), minus(c, middle(a, b)), 1.0 / 3)})
-                largest = std::max(largest, to_surface(x));
-        }
-        return largest;
+        nodes_.push_back(made);
+        if (end - begin <= leaf_triangles) return;
+        const Vector3 size = minus(made.upper, made.lower);
+        const auto axis = static_cast<std::size_t>(std::ranges::max_element(size) - size.begin());
+        const auto sum = [axis](const Triangle& t) { return t[0][axis] + t[1][axis] + t[2][axis]; };
+        const std::size_t half = begin + (end - begin) / 2;
+        const auto first = triangles_.begin();
+        std::ranges::nth_element(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(half),
+                                 first + static_cast<std::ptrdiff_t>(end), {}, sum);
+        split(begin, half);
+        nodes_[node].second = nodes_.size();
+        split(half, end);
     }
 
-private:
-    // Finds the neighbors of some vertices, and these.
-    void gather(std::initializer_list<std::int32_t> around) {
-        near_.assign(around);
-        for (const std::int32_t v : around)
-            for (const std::size_t t : triangles_.of(v))
-                near_.insert(near_.end(), &mesh_.triangles[3 * t], &mesh_.triangles[3 * t] + 3);
-        std::ranges::sort(near_);
-        near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
-        near_triangles_.clear();
-        for (const std::int32_t v : near_)
-            near_triangles_.insert(near_triangles_.end(), triangles_.of(v).begin(), triangles_.of(v).end());
-        std::ranges::sort(near_triangles_);
-        near_triangles_.erase(std::unique(near_triangles_.begin(), near_triangles_.end()), near_triangles_.end());
-    }
-
-    [[nodiscard]] double to_mesh(const Vector3& x) const {
-        double least = infinity;
-        for (const std::size_t t : near_triangles_) {
-            const std::int32_t* const corner = &mesh_.triangles[3 * t];
-            least = std::min(least, distance(x, nearest_on_triangle(x, place_at(mesh_.vertices, corner[0]),
-                                                                    place_at(mesh_.vertices, corner[1]),
-                                                                    place_at(mesh_.vertices, corner[2]))));
-        }
-        return least;
-    }
-
-    [[nodiscard]] double to_surface(const Vector3& x) const {
-        double least = infinity;
-        for (const std::int32_t v : near_)
-            for (const std::size_t p : polygons_.of(v)) {
-                const auto corner = [&](std::int64_t c) {
-                    return place_at(mesh_.cells.vertices, mesh_.cells.corners[at(c)]);
-                };
-                const std::int64_t begin = mesh_.cells.polygon_offsets[p], end = mesh_.cells.polygon_offsets[p + 1];
-                for (std::int64_t c = begin + 1; c + 1 < end; ++c)
-                    least =
-                        std::min(least, distance(x, nearest_on_triangle(x, corner(begin), corner(c), corner(c + 1))));
+    void search(std::size_t node, const Vector3& x, double enough, double& least) const {
+        if (least <= enough || distance_of_box(nodes_[node], x) >= least) return;
+        const Node& of = nodes_[node];
+        if (of.second == 0) {
+            for (std::size_t t = of.begin; t < of.end; ++t) {
+                const auto& [a, b, c] = triangles_[t];
+                least = std::min(least, distance(x, nearest_on_triangle(x, a, b, c)));
             }
-        return least;
-    }
-
-    // Returns the vertex of a triangle that is nearest to a place.
-    [[nodiscard]] std::int32_t nearest_vertex(const Vector3& x) {
-        if (!tree_) {
-            std::vector<exact::Point> places;
-            for (std::int32_t v = 0; at(v) < mesh_.vertices.size() / 3; ++v)
-                if (!triangles_.of(v).empty()) used_.push_back(v), places.push_back(place_at(mesh_.vertices, v));
-            tree_ = std::make_unique<SeedTree>(places, std::span<const double>());
+            return;
         }
-        double least = infinity;
-        std::int32_t best = used_.front();
-        tree_->visit_from(
-            x, [&](const SeedTree::Node&, double square) { return square > least; },
-            [&](std::int32_t id, const exact::Point& place) {
-                const Vector3 d = minus(place, x);
-                if (const double square = dot(d, d); square < least) least = square, best = used_[at(id)];
-            });
-        return best;
+        std::size_t near = node + 1, far = of.second;
+        if (distance_of_box(nodes_[far], x) < distance_of_box(nodes_[near], x)) std::swap(near, far);
+        search(near, x, enough, least);
+        search(far, x, enough, least);
+    }
+    [[nodiscard]] static double distance_of_box(const Node& node, const Vector3& x) {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double gap = std::max({0.0, node.lower[k] - x[k], x[k] - node.upper[k]});
+            square += gap * gap;
+        }
+        return std::sqrt(square);
     }
 
-    const Remesh& mesh_;
-    Lists triangles_, polygons_;  // by vertex
-    std::vector<std::int32_t> near_;
-    std::vector<std::size_t> near_triangles_;
-    std::unique_ptr<SeedTree> tree_;
-    std::vector<std::int32_t> used_;  // vertices by their order in the tree
+    std::vector<Triangle> triangles_;
+    std::vector<Node> nodes_;
 };
+
+// Returns the largest distance found between a mesh and the surface that its cells lie on.
+double distance_of(const Remesh& mesh, const solid::MeshArrays& surface) {
+    if (mesh.triangles.empty()) return infinity;
+    double largest = 0;
+    const auto widen = [&](const TriangleTree& tree, const Vector3& x) {
+        check_stop();
+        largest = std::max(largest, tree.distance_from(x, largest));
+    };
+    const TriangleTree of_mesh(mesh.vertices, mesh.triangles), of_surface(surface.vertices, surface.triangles);
+    std::vector<std::int32_t> corners = mesh.cells.corners;
+    std::ranges::sort(corners);
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    for (const std::int32_t corner : corners) widen(of_mesh, place_at(mesh.cells.vertices, corner));
+    for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
+        const Vector3 a = place_at(mesh.vertices, mesh.triangles[t]),
+                      b = place_at(mesh.vertices, mesh.triangles[t + 1]),
+                      c = place_at(mesh.vertices, mesh.triangles[t + 2]);
+        const auto middle = [](const Vector3& u, const Vector3& v) { return along(u, minus(v, u), 0.5); };
+        for (const Vector3& x :
+             {middle(a, b), middle(b, c), middle(c, a), along(middle(a, b), minus(c, middle(a, b)), 1.0 / 3)})
+            widen(of_surface, x);
+    }
+    return largest;
+}
 
 void measure_angles(Remesh& mesh) {
     const std::size_t count = mesh.triangles.size() / 3;
@@ -256,7 +225,7 @@ std::vector<std::uint8_t> faulty_parts(const SurfaceCells& cells, const std::vec
     return bad;
 }
 
-void report_on_mesh(Remesh& mesh, const Features& features) {
+void report_on_mesh(Remesh& mesh, const Features& features, const solid::MeshArrays& surface) {
     measure_angles(mesh);
     for (const Edge& edge : edges_of(mesh.triangles)) {
         mesh.border_edges += edge.triangles == 1 ? 1 : 0;
@@ -267,7 +236,7 @@ void report_on_mesh(Remesh& mesh, const Features& features) {
     for (std::size_t i = 0; i < mesh.cells.size(); ++i)
         if (std::any_of(bad.begin() + first[i], bad.begin() + first[i + 1], [](std::uint8_t b) { return b != 0; }))
             mesh.faults.push_back(static_cast<std::int32_t>(i));
-    mesh.distance = Distances(mesh).largest();
+    mesh.distance = distance_of(mesh, surface);
 }
 
 }  // namespace votess::surface

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "solid/closed_mesh.hpp"
 #include "surface/features.hpp"
 #include "votess/surface.hpp"
 
@@ -15,7 +16,7 @@ namespace votess::surface {
                                                      const std::vector<std::int32_t>& triangles,
                                                      const Features& features);
 
-// Fills the figures of a mesh whose vertices, triangles and cells are known, and the faults.
-void report_on_mesh(Remesh& mesh, const Features& features);
+// Fills the figures of a mesh whose vertices, triangles and cells are known, and the faults. surface: of the cells.
+void report_on_mesh(Remesh& mesh, const Features& features, const solid::MeshArrays& surface);
 
 }  // namespace votess::surface

@@ -2,55 +2,46 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "surface/nearest.hpp"
 
 namespace votess::surface {
 namespace {
 
-constexpr std::size_t near_count = 20;  // seeds tried first
-constexpr std::size_t pairs_per_task = 128, vertices_per_task = 256, seeds_per_task = 256, triangles_per_task = 1024;
+constexpr std::size_t vertices_per_task = 256, triangles_per_task = 64, seeds_per_task = 128, parts_per_task = 1024;
+// Parts of a triangle that one thread finds, before all threads do.
+constexpr std::size_t max_alone = 4096;
 
-// A triangle and a seed, in the order of parts.
-using Pair = std::uint64_t;
-Pair pair_of(std::int32_t triangle, std::int32_t seed) {
-    return static_cast<Pair>(triangle) << 32 | static_cast<std::uint32_t>(seed);
-}
-std::int32_t triangle_of(Pair pair) {
-    return static_cast<std::int32_t>(pair >> 32);
-}
-std::int32_t seed_of(Pair pair) {
-    return static_cast<std::int32_t>(pair & 0xffffffff);
-}
-
-// Finds the seed whose cell holds a place.
+// Finds the seed whose cell holds a place, by its number.
 class Owner {
 public:
     explicit Owner(const Surface& surface) : surface_(surface) {}
 
-    [[nodiscard]] std::int32_t of(const exact::Point& x) {
+    [[nodiscard]] std::uint32_t of(const exact::Point& x) {
         double least = std::numeric_limits<double>::infinity();
         seen_.clear();
         const auto skip = [&](const SeedTree::Node& node, double square) {
             const double weight = surface_.has_weights() ? node.weight : 0;
             return square - weight - rounding * (square + std::abs(weight)) > least;
         };
-        surface_.tree().visit_from(x, skip, [&](std::int32_t id, const exact::Point& place) {
-            const Vector3 d = minus(place, x);
-            const double square = dot(d, d), weight = surface_.weight(id), power = square - weight;
-            const double error = rounding * (square + std::abs(weight));
+        surface_.tree().visit_from(x, skip, [&](std::uint32_t number) {
+            const Vector3 d = minus(surface_.tree().place(number), x);
+            const double square = dot(d, d), weight = surface_.weight(surface_.tree().seed(number));
+            const double power = square - weight, error = rounding * (square + std::abs(weight));
             if (power - error > least) return;
             least = std::min(least, power + error);
-            seen_.push_back({power - error, id});
+            seen_.push_back({power - error, number});
         });
-        std::int32_t best = -1;
-        for (const auto& [lower, id] : seen_)
-            if (lower <= least && (best < 0 || is_nearer(id, best, x))) best = id;
+        std::uint32_t best = ClippedTriangle::none;
+        for (const auto& [lower, number] : seen_)
+            if (lower <= least && (best == ClippedTriangle::none ||
+                                   is_nearer(surface_.tree().seed(number), surface_.tree().seed(best), x)))
+                best = number;
         return best;
     }
 
@@ -69,258 +60,351 @@ private:
 
     const Surface& surface_;
     solid::MeshSigns signs_;
-    std::vector<std::pair<double, std::int32_t>> seen_;
+    std::vector<std::pair<double, std::uint32_t>> seen_;
 };
 
-// Parts of some pairs, in their order.
-struct Chunk {
-    std::vector<std::uint8_t> without_area;
-    std::vector<std::uint32_t> sizes;
-    std::vector<Side> sides;
-    std::vector<std::uint8_t> without_length;
-    std::vector<std::array<double, 2>> places;
-    std::vector<std::uint32_t> place_counts;  // by part
-    std::vector<Pair> next;
-};
-
-// Returns whether a part has the place of the corner between two sides.
-bool has_place(const Surface& surface, std::int32_t triangle, std::int32_t seed, Side in, Side out) {
-    if (in < 0 && out < 0) return false;
-    if (in >= 0 && out >= 0) return seed < in && seed < out;
-    const std::int32_t edge = surface.triangles()[at(triangle)].edge[corner_of(std::min(in, out))];
-    return seed < std::max(in, out) && surface.edges()[at(edge)].first == triangle;
-}
-
-class Distribution {
+// A set of numbers that is cheap to clear.
+class NumberSet {
 public:
-    Distribution(const Surface& surface, ThreadPool& pool)
-        : surface_(surface), pool_(pool), near_at_(surface.seeds(), unknown) {
-        for (unsigned i = 0; i < pool.size(); ++i) workers_.push_back(std::make_unique<ClippedTriangle>(surface));
+    void clear() {
+        for (const std::size_t i : used_) slots_[i] = empty;
+        used_.clear();
     }
-
-    [[nodiscard]] Parts make() {
-        std::vector<Pair> pairs = first_pairs(), last;
-        while (!pairs.empty()) {
-            find_near(pairs);
-            std::vector<Pair> next = clip(pairs), fresh, fresher;
-            std::ranges::sort(next);
-            next.erase(std::unique(next.begin(), next.end()), next.end());
-            // Beyond a side lies a part of the round before, this one or the next.
-            std::ranges::set_difference(next, pairs, std::back_inserter(fresh));
-            std::ranges::set_difference(fresh, last, std::back_inserter(fresher));
-            last = std::move(pairs);
-            pairs = std::move(fresher);
-        }
-        return join();
+    // Returns whether it was not in the set.
+    bool insert(std::uint32_t number) {
+        if (2 * (used_.size() + 1) > slots_.size()) grow();
+        const std::size_t i = slot(number);
+        if (slots_[i] == number) return false;
+        slots_[i] = number;
+        used_.push_back(i);
+        return true;
     }
 
 private:
-    // The part of each triangle at its first vertex.
-    [[nodiscard]] std::vector<Pair> first_pairs() {
-        const auto& triangles = surface_.triangles();
-        std::vector<std::int32_t> owner(surface_.vertices().size(), -1);
-        for (const auto& triangle : triangles)
-            if (triangle.area > 0) owner[at(triangle.vertex[0])] = 0;
-        pool_.run_stage(ceil_div(owner.size(), vertices_per_task), [&](std::size_t index, unsigned) {
+    static constexpr std::uint32_t empty = ClippedTriangle::none;
+    // Returns the slot of a number, or the one for it.
+    [[nodiscard]] std::size_t slot(std::uint32_t number) const {
+        std::size_t i = (number * std::uint64_t{0x9e3779b97f4a7c15} >> 20) & (slots_.size() - 1);
+        while (slots_[i] != number && slots_[i] != empty) i = (i + 1) & (slots_.size() - 1);
+        return i;
+    }
+    void grow() {
+        const std::vector<std::uint32_t> before = std::move(slots_);
+        slots_.assign(std::max<std::size_t>(64, 2 * before.size()), empty);
+        for (std::size_t& i : used_) {
+            const std::uint32_t number = before[i];
+            i = slot(number);
+            slots_[i] = number;
+        }
+    }
+
+    std::vector<std::uint32_t> slots_;
+    std::vector<std::size_t> used_;  // slots
+};
+
+// Parts of some triangles, or of one.
+struct Chunk {
+    std::vector<Part> parts;
+    std::vector<Side> sides;
+    std::vector<std::uint8_t> without_length;
+    std::vector<std::array<double, 2>> weights;
+    std::vector<std::uint32_t> beyond;  // numbers of seeds beyond the sides of the last part; of a round: of all
+    std::vector<std::int32_t> large;    // triangles that all threads have to clip
+
+    void drop_from(std::size_t part) {
+        if (part == parts.size()) return;
+        if (!sides.empty()) {
+            const std::size_t begin = parts[part].begin;
+            sides.resize(begin);
+            without_length.resize(begin);
+            weights.resize(begin);
+        }
+        parts.resize(part);
+    }
+};
+
+class Distribution {
+public:
+    Distribution(const Surface& surface, SurfaceWant want, ThreadPool& pool)
+        : surface_(surface), want_(want), pool_(pool), near_(surface.tree()) {
+        for (unsigned i = 0; i < pool.size(); ++i) workers_.push_back(std::make_unique<Worker>(surface, near_));
+    }
+
+    [[nodiscard]] Parts make() {
+        find_owners();
+        const std::size_t count = surface_.triangles().size();
+        std::vector<Chunk> chunks(ceil_div(count, triangles_per_task));
+        pool_.run_stage(chunks.size(), [&](std::size_t index, unsigned worker) {
+            const std::size_t end = std::min(count, (index + 1) * triangles_per_task);
+            for (std::size_t t = index * triangles_per_task; t < end; ++t)
+                if (surface_.triangles()[t].area > 0)
+                    clip_all(static_cast<std::int32_t>(t), *workers_[worker], chunks[index]);
+        });
+        return join(chunks);
+    }
+
+private:
+    struct Worker {
+        Worker(const Surface& surface, const NearSeeds& near) : part(surface, near) {}
+        ClippedTriangle part;
+        NumberSet seen;
+        std::vector<std::uint32_t> pending;
+    };
+
+    // Of the first vertex of each triangle.
+    void find_owners() {
+        owners_.assign(surface_.vertices().size(), ClippedTriangle::none);
+        for (const auto& triangle : surface_.triangles())
+            if (triangle.area > 0) owners_[at(triangle.vertex[0])] = 0;
+        pool_.run(ceil_div(owners_.size(), vertices_per_task), [&](std::size_t index, unsigned) {
             check_stop();
             Owner find(surface_);
-            for (std::size_t v = index * vertices_per_task; v < std::min(owner.size(), (index + 1) * vertices_per_task);
-                 ++v)
-                if (owner[v] == 0) owner[v] = find.of(surface_.vertices()[v]);
+            const std::size_t end = std::min(owners_.size(), (index + 1) * vertices_per_task);
+            for (std::size_t v = index * vertices_per_task; v < end; ++v)
+                if (owners_[v] == 0) owners_[v] = find.of(surface_.vertices()[v]);
         });
-        std::vector<Pair> pairs;
-        for (std::size_t t = 0; t < triangles.size(); ++t)
-            if (triangles[t].area > 0)
-                pairs.push_back(pair_of(static_cast<std::int32_t>(t), owner[at(triangles[t].vertex[0])]));
-        return pairs;
+    }
+    [[nodiscard]] std::uint32_t owner(std::int32_t triangle) const {
+        return owners_[at(surface_.triangles()[at(triangle)].vertex[0])];
     }
 
-    // Finds the nearest seeds of those that are new.
-    void find_near(const std::vector<Pair>& pairs) {
-        std::size_t fresh = 0;
-        for (const Pair pair : pairs) {
-            std::int64_t& at_seed = near_at_[at(seed_of(pair))];
-            if (at_seed == unknown) at_seed = wanted, ++fresh;
-        }
-        if (fresh == 0) return;
-        std::vector<std::int32_t> seeds;  // in the order of the tree, because near ones need the same memory
-        if (fresh < surface_.seeds() / 64) {
-            for (const Pair pair : pairs)
-                if (std::int64_t& at_seed = near_at_[at(seed_of(pair))]; at_seed == wanted)
-                    at_seed = listed, seeds.push_back(seed_of(pair));
-        } else {
-            for (const std::int32_t seed : surface_.tree().order())
-                if (near_at_[at(seed)] == wanted) seeds.push_back(seed);
-        }
-        const std::size_t count = std::min(near_count, surface_.tree().size() - 1), before = near_.size();
-        near_.resize(before + count * seeds.size());
-        for (std::size_t i = 0; i < seeds.size(); ++i)
-            near_at_[at(seeds[i])] = static_cast<std::int64_t>(before + count * i);
-        pool_.run(ceil_div(seeds.size(), seeds_per_task), [&](std::size_t index, unsigned) {
-            check_stop();
-            std::vector<std::pair<double, std::int32_t>> heap;
-            for (std::size_t i = index * seeds_per_task; i < std::min(seeds.size(), (index + 1) * seeds_per_task);
-                 ++i) {
-                const exact::Point& x = surface_.seed(seeds[i]);
-                heap.clear();
-                const auto skip = [&](const SeedTree::Node&, double square) {
-                    return count == 0 || (heap.size() == count && square > heap.front().first);
-                };
-                surface_.tree().visit_from(x, skip, [&](std::int32_t id, const exact::Point& place) {
-                    const Vector3 d = minus(place, x);
-                    const std::pair entry(dot(d, d), id);
-                    if (id == seeds[i] || (heap.size() == count && !(entry < heap.front()))) return;
-                    if (heap.size() == count) {
-                        std::ranges::pop_heap(heap);
-                        heap.pop_back();
-                    }
-                    heap.push_back(entry);
-                    std::ranges::push_heap(heap);
-                });
-                std::ranges::sort_heap(heap);
-                for (std::size_t k = 0; k < count; ++k) near_[before + count * i + k] = heap[k].second;
+    void clip_all(std::int32_t triangle, Worker& worker, Chunk& chunk) const {
+        const std::size_t first = chunk.parts.size();
+        worker.part.set_triangle(triangle);
+        worker.seen.clear();
+        worker.pending.assign(1, owner(triangle));
+        worker.seen.insert(worker.pending[0]);
+        while (!worker.pending.empty()) {
+            if (chunk.parts.size() % 64 == 0) check_stop();
+            if (chunk.parts.size() - first > max_alone && pool_.size() > 1) {
+                chunk.drop_from(first);
+                chunk.large.push_back(triangle);
+                return;
             }
-        });
+            const std::uint32_t number = worker.pending.back();
+            worker.pending.pop_back();
+            chunk.beyond.clear();
+            clip(triangle, number, worker.part, chunk);
+            for (const std::uint32_t next : chunk.beyond)
+                if (worker.seen.insert(next)) worker.pending.push_back(next);
+        }
+        if (want_ != SurfaceWant::areas)
+            std::sort(chunk.parts.begin() + static_cast<std::ptrdiff_t>(first), chunk.parts.end(), is_before);
     }
+    static bool is_before(const Part& a, const Part& b) { return a.seed < b.seed; }
 
-    // Clips a round, and returns what lies beyond the sides.
-    [[nodiscard]] std::vector<Pair> clip(const std::vector<Pair>& pairs) {
-        const std::size_t first = chunks_.size(), count = std::min(near_count, surface_.tree().size() - 1);
-        chunks_.resize(first + ceil_div(pairs.size(), pairs_per_task));
-        pool_.run(chunks_.size() - first, [&](std::size_t index, unsigned worker) {
-            Chunk& chunk = chunks_[first + index];
-            ClippedTriangle& part = *workers_[worker];
-            const std::size_t begin = index * pairs_per_task, end = std::min(pairs.size(), begin + pairs_per_task);
-            for (std::size_t k = begin; k < end; ++k) {
+    // Clips a triangle on all threads: seeds of a round at once, then those beyond the sides.
+    void clip_large(std::int32_t triangle, std::vector<Chunk>& chunks) const {
+        NumberSet seen;
+        std::vector<std::uint32_t> round{owner(triangle)}, next;
+        seen.insert(round[0]);
+        for (; !round.empty(); std::swap(round, next)) {
+            const std::size_t first = chunks.size();
+            chunks.resize(first + ceil_div(round.size(), seeds_per_task));
+            pool_.run(chunks.size() - first, [&](std::size_t index, unsigned worker) {
                 check_stop();
-                const std::int32_t triangle = triangle_of(pairs[k]), seed = seed_of(pairs[k]);
-                const std::int32_t* const near = near_.data() + near_at_[at(seed)];
-                if (!part.clip(triangle, seed, {near, count}))
-                    throw Error(ErrorCode::internal,
-                                "a triangle of a surface has no part beyond a bisector that cuts it");
-                part.find_ties();
-                add(part, triangle, seed, chunk);
+                ClippedTriangle& part = workers_[worker]->part;
+                part.set_triangle(triangle);
+                const std::size_t end = std::min(round.size(), (index + 1) * seeds_per_task);
+                for (std::size_t k = index * seeds_per_task; k < end; ++k)
+                    clip(triangle, round[k], part, chunks[first + index]);
+            });
+            next.clear();
+            for (std::size_t c = first; c < chunks.size(); ++c) {
+                for (const std::uint32_t number : chunks[c].beyond)
+                    if (seen.insert(number)) next.push_back(number);
+                chunks[c].beyond = {};
+            }
+            std::ranges::sort(next);  // near ones need the same memory
+        }
+    }
+
+    // Adds the part of a triangle in a cell to a chunk.
+    void clip(std::int32_t triangle, std::uint32_t number, ClippedTriangle& clipped, Chunk& chunk) const {
+        if (!clipped.clip(number))
+            throw Error(ErrorCode::internal, "a triangle of a surface has no part beyond a bisector that cuts it");
+        clipped.settle();
+        clipped.find_ties();
+        const std::size_t size = clipped.size();
+        Part part{triangle,
+                  surface_.tree().seed(number),
+                  static_cast<std::uint32_t>(size),
+                  clipped.has_area(),
+                  0,
+                  0,
+                  {},
+                  0,
+                  chunk.sides.size()};
+        measure(clipped, part);
+        chunk.parts.push_back(part);
+        for (std::size_t i = 0; i < size; ++i)
+            if (clipped.side(i) >= 0) chunk.beyond.push_back(clipped.beyond(i));
+        if (want_ == SurfaceWant::areas) return;
+        for (std::size_t i = 0; i < size; ++i) {
+            chunk.sides.push_back(clipped.side(i));
+            chunk.without_length.push_back(clipped.has_length(i) ? 0 : 1);
+            chunk.weights.push_back(clipped.weights(i));
+        }
+    }
+
+    void measure(const ClippedTriangle& clipped, Part& part) const {
+        const Surface::Triangle& triangle = surface_.triangles()[at(part.triangle)];
+        const std::size_t size = clipped.size();
+        const auto& o = clipped.weights(0);
+        for (std::size_t i = 1; part.has_area && i + 1 < size; ++i) {
+            const auto &v = clipped.weights(i), &w = clipped.weights(i + 1);
+            const double share = (v[0] - o[0]) * (w[1] - o[1]) - (v[1] - o[1]) * (w[0] - o[0]);
+            const double piece = triangle.area * share;
+            part.area += piece;
+            if (want_ == SurfaceWant::areas) continue;
+            const Vector3 &x = clipped.place(0), &y = clipped.place(i), &z = clipped.place(i + 1);
+            const Vector3 sum{x[0] + y[0] + z[0], x[1] + y[1] + z[1], x[2] + y[2] + z[2]};
+            for (std::size_t k = 0; k < 3; ++k) part.moment[k] += piece / 3 * sum[k];
+            part.energy += piece / 12 * (dot(x, x) + dot(y, y) + dot(z, z) + dot(sum, sum));
+        }
+        part.area = std::max(part.area, 0.0);  // may be rounded to less
+        if (!triangle.has_border) return;
+        for (std::size_t i = 0; i < size; ++i) {
+            const Side side = clipped.side(i);
+            if (side >= 0 || surface_.edges()[at(triangle.edge[corner_of(side)])].triangles != 1) continue;
+            if (!clipped.has_length(i)) continue;
+            const auto &from = clipped.weights(i), &to = clipped.weights(i + 1 == size ? 0 : i + 1);
+            const double s = to[0] - from[0], t = to[1] - from[1];
+            const Vector3 u = surface_.vertex(triangle.vertex[0]);
+            const Vector3 a = minus(surface_.vertex(triangle.vertex[1]), u),
+                          b = minus(surface_.vertex(triangle.vertex[2]), u);
+            part.border += length3(s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]);
+        }
+    }
+
+    // Puts all parts in order.
+    [[nodiscard]] Parts join(std::vector<Chunk>& chunks) const {
+        struct Source {
+            const Part* part;
+            const Chunk* chunk;
+        };
+        std::vector<std::pair<std::int32_t, std::vector<Chunk>>> large;
+        std::size_t count = 0;
+        for (Chunk& chunk : chunks) {
+            count += chunk.parts.size();
+            for (const std::int32_t triangle : chunk.large) {
+                large.push_back({triangle, {}});
+                clip_large(triangle, large.back().second);
+                for (const Chunk& part : large.back().second) count += part.parts.size();
+            }
+        }
+        std::vector<Source> sources;
+        sources.reserve(count);
+        std::size_t next_large = 0;
+        for (const Chunk& chunk : chunks) {
+            std::size_t k = 0;
+            for (std::size_t l = 0; l <= chunk.large.size(); ++l) {
+                const bool is_end = l == chunk.large.size();
+                for (; k < chunk.parts.size() && (is_end || chunk.parts[k].triangle < chunk.large[l]); ++k)
+                    sources.push_back({&chunk.parts[k], &chunk});
+                if (is_end) break;
+                const auto begin = static_cast<std::ptrdiff_t>(sources.size());
+                for (const Chunk& of : large[next_large++].second)
+                    for (const Part& part : of.parts) sources.push_back({&part, &of});
+                std::sort(sources.begin() + begin, sources.end(),
+                          [](const Source& a, const Source& b) { return is_before(*a.part, *b.part); });
+            }
+        }
+        check_stop();
+        Parts parts;
+        parts.list.resize(count);
+        std::size_t sides = 0;
+        for (std::size_t p = 0; p < count; ++p) {
+            parts.list[p].begin = sides;
+            sides += sources[p].part->sides;
+        }
+        if (want_ == SurfaceWant::areas) {
+            sides = 0;
+        } else {
+            parts.sides.resize(sides);
+            parts.without_length.resize(sides);
+            parts.weights.resize(sides);
+        }
+        pool_.run(ceil_div(count, parts_per_task), [&](std::size_t index, unsigned) {
+            for (std::size_t p = index * parts_per_task; p < std::min(count, (index + 1) * parts_per_task); ++p) {
+                const auto& [part, chunk] = sources[p];
+                const std::size_t from = part->begin, to = parts.list[p].begin, size = part->sides;
+                parts.list[p] = *part;
+                parts.list[p].begin = to;
+                if (sides == 0) continue;
+                std::copy_n(chunk->sides.begin() + static_cast<std::ptrdiff_t>(from), size, &parts.sides[to]);
+                std::copy_n(chunk->without_length.begin() + static_cast<std::ptrdiff_t>(from), size,
+                            &parts.without_length[to]);
+                std::copy_n(chunk->weights.begin() + static_cast<std::ptrdiff_t>(from), size, &parts.weights[to]);
             }
         });
-        std::vector<Pair> next;
-        for (std::size_t c = first; c < chunks_.size(); ++c) {
-            next.insert(next.end(), chunks_[c].next.begin(), chunks_[c].next.end());
-            chunks_[c].next = {};
-        }
-        for (std::size_t k = 0; k < pairs.size(); ++k)
-            order_.push_back({pairs[k], static_cast<std::uint32_t>(first + k / pairs_per_task)});
-        return next;
-    }
-
-    void add(const ClippedTriangle& part, std::int32_t triangle, std::int32_t seed, Chunk& chunk) const {
-        std::uint32_t places = 0;
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            const Side in = part.side(i == 0 ? part.size() - 1 : i - 1), out = part.side(i);
-            chunk.sides.push_back(out);
-            chunk.without_length.push_back(part.has_length(i) ? 0 : 1);
-            if (out >= 0) chunk.next.push_back(pair_of(triangle, out));
-            if (!has_place(surface_, triangle, seed, in, out)) continue;
-            chunk.places.push_back(part.place(i));
-            ++places;
-        }
-        chunk.sizes.push_back(static_cast<std::uint32_t>(part.size()));
-        chunk.place_counts.push_back(places);
-        chunk.without_area.push_back(part.has_area() ? 0 : 1);
-    }
-
-    // Puts all parts in order, and numbers the vertices.
-    [[nodiscard]] Parts join() {
-        // Where each part lies in its chunk.
-        struct Source {
-            Pair pair;
-            std::uint32_t chunk, part;
-            std::size_t side, place;
-        };
-        std::vector<Source> sources;
-        sources.reserve(order_.size());
-        for (std::size_t k = 0; k < order_.size(); ++k) {
-            const auto [pair, chunk] = order_[k];
-            Source source{pair, chunk, 0, 0, 0};
-            if (k > 0 && order_[k - 1].second == chunk) {
-                const Source& before = sources.back();
-                const Chunk& from = chunks_[chunk];
-                source = {pair, chunk, before.part + 1, before.side + from.sizes[before.part],
-                          before.place + from.place_counts[before.part]};
-            }
-            sources.push_back(source);
-        }
-        order_ = {};
-        check_stop();
-        std::ranges::sort(sources, {}, &Source::pair);
-        Parts parts;
         parts.of_triangle.assign(surface_.triangles().size() + 1, 0);
-        parts.offsets.assign(1, 0);
-        std::vector<std::size_t> first_place{surface_.vertices().size()};
-        for (const Source& source : sources) {
-            const Chunk& from = chunks_[source.chunk];
-            const auto size = from.sizes[source.part], places = from.place_counts[source.part];
-            parts.triangles.push_back(triangle_of(source.pair));
-            parts.seeds.push_back(seed_of(source.pair));
-            parts.without_area.push_back(from.without_area[source.part]);
-            const auto copy = [](const auto& list, std::size_t begin, std::size_t count, auto& to) {
-                to.insert(to.end(), list.begin() + static_cast<std::ptrdiff_t>(begin),
-                          list.begin() + static_cast<std::ptrdiff_t>(begin + count));
-            };
-            copy(from.sides, source.side, size, parts.sides);
-            copy(from.without_length, source.side, size, parts.without_length);
-            copy(from.places, source.place, places, parts.places);
-            parts.offsets.push_back(static_cast<std::int64_t>(parts.sides.size()));
-            first_place.push_back(first_place.back() + places);
-            parts.of_triangle[at(parts.triangles.back()) + 1] = parts.size();
-        }
-        chunks_ = {};
+        for (std::size_t p = 0; p < count; ++p) parts.of_triangle[at(parts.list[p].triangle) + 1] = p + 1;
         for (std::size_t t = 1; t < parts.of_triangle.size(); ++t)
             parts.of_triangle[t] = std::max(parts.of_triangle[t], parts.of_triangle[t - 1]);
-        if (first_place.back() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-            throw Error(ErrorCode::invalid_argument, "the cells cut the surface into more than 2147483647 vertices");
-        number_corners(parts, first_place);
         return parts;
     }
 
-    void number_corners(Parts& parts, const std::vector<std::size_t>& first_place) const {
-        parts.corners.resize(parts.sides.size());
-        const auto for_each = [&](const auto& visit) {
-            pool_.run(ceil_div(parts.size(), triangles_per_task), [&](std::size_t index, unsigned) {
-                check_stop();
-                for (std::size_t p = index * triangles_per_task;
-                     p < std::min(parts.size(), (index + 1) * triangles_per_task); ++p)
-                    visit(p);
-            });
-        };
-        for_each([&](std::size_t p) {
-            std::size_t place = first_place[p];
-            for (std::size_t c = parts.begin(p); c < parts.end(p); ++c) {
-                const Side in = parts.before(p, c), out = parts.sides[c];
-                if (in < 0 && out < 0)
-                    parts.corners[c] = surface_.triangles()[at(parts.triangles[p])].vertex[corner_of(out)];
-                else if (has_place(surface_, parts.triangles[p], parts.seeds[p], in, out))
-                    parts.corners[c] = static_cast<std::int32_t>(place++);
-                else
-                    parts.corners[c] = -1;
+    const Surface& surface_;
+    SurfaceWant want_;
+    ThreadPool& pool_;
+    NearSeeds near_;
+    std::vector<std::unique_ptr<Worker>> workers_;
+    std::vector<std::uint32_t> owners_;  // by vertex: numbers of seeds
+};
+
+class Numbering {
+public:
+    Numbering(Parts& parts, const Surface& surface, ThreadPool& pool) : parts_(parts), surface_(surface), pool_(pool) {}
+
+    void number() {
+        const std::size_t given = surface_.vertices().size();
+        parts_.corners.resize(parts_.sides.size());
+        for (std::size_t p = 0; p < parts_.size(); ++p)
+            for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
+                const Side in = parts_.before(p, c), out = parts_.sides[c];
+                if (in < 0 && out < 0) {
+                    parts_.corners[c] = triangle_of(p).vertex[corner_of(out)];
+                } else if (has_place(p, in, out)) {
+                    parts_.corners[c] = static_cast<std::int32_t>(given + parts_.sources.size());
+                    parts_.sources.push_back({p, c});
+                } else {
+                    parts_.corners[c] = -1;
+                }
             }
-        });
-        for_each([&](std::size_t p) {
-            for (std::size_t c = parts.begin(p); c < parts.end(p); ++c)
-                if (parts.corners[c] < 0) parts.corners[c] = corner_elsewhere(parts, p, c);
+        if (given + parts_.sources.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+            throw Error(ErrorCode::invalid_argument, "the cells cut the surface into more than 2147483647 vertices");
+        pool_.run(ceil_div(parts_.size(), parts_per_task), [&](std::size_t index, unsigned) {
+            check_stop();
+            for (std::size_t p = index * parts_per_task; p < std::min(parts_.size(), (index + 1) * parts_per_task); ++p)
+                for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c)
+                    if (parts_.corners[c] < 0) parts_.corners[c] = corner_elsewhere(p, c);
         });
     }
 
+private:
+    [[nodiscard]] const Surface::Triangle& triangle_of(std::size_t p) const {
+        return surface_.triangles()[at(parts_.list[p].triangle)];
+    }
+    // Returns whether a part has the place of the corner between two sides, not both of them edges.
+    [[nodiscard]] bool has_place(std::size_t p, Side in, Side out) const {
+        const std::int32_t seed = parts_.list[p].seed;
+        if (in >= 0 && out >= 0) return seed < in && seed < out;
+        const std::int32_t edge = triangle_of(p).edge[corner_of(std::min(in, out))];
+        return seed < std::max(in, out) && surface_.edges()[at(edge)].first == parts_.list[p].triangle;
+    }
+
     // Returns the vertex of a corner from the part that has its place.
-    [[nodiscard]] std::int32_t corner_elsewhere(const Parts& parts, std::size_t p, std::size_t c) const {
-        const Side in = parts.before(p, c), out = parts.sides[c];
-        const std::int32_t seed = parts.seeds[p], triangle = parts.triangles[p];
+    [[nodiscard]] std::int32_t corner_elsewhere(std::size_t p, std::size_t c) const {
+        const Side in = parts_.before(p, c), out = parts_.sides[c];
+        const auto [triangle, seed] = std::pair(parts_.list[p].triangle, parts_.list[p].seed);
         if (in >= 0 && out >= 0) {
             const std::int32_t lowest = std::min({seed, in, out});
-            const std::size_t q = parts.find(triangle, lowest);
+            const std::size_t q = parts_.find(triangle, lowest);
             // Around the corner the cells follow in one order.
             const Side from = lowest == in ? out : seed, to = lowest == in ? seed : in;
-            for (std::size_t d = parts.begin(q); d < parts.end(q); ++d)
-                if (parts.before(q, d) == from && parts.sides[d] == to) return parts.corners[d];
+            for (std::size_t d = parts_.begin(q); d < parts_.end(q); ++d)
+                if (parts_.before(q, d) == from && parts_.sides[d] == to) return parts_.corners[d];
         } else {
             const std::int32_t other = std::max(in, out), lowest = std::min(seed, other),
                                higher = std::max(seed, other);
@@ -328,38 +412,62 @@ private:
             const std::int32_t first = surface_.edges()[at(edge)].first;
             const auto& edges = surface_.triangles()[at(first)].edge;
             const auto is_edge = [&](Side side) { return side < 0 && edges[corner_of(side)] == edge; };
-            const std::size_t q = parts.find(first, lowest);
-            for (std::size_t d = parts.begin(q); d < parts.end(q); ++d) {
-                const Side a = parts.before(q, d), b = parts.sides[d];
-                if ((a == higher && is_edge(b)) || (b == higher && is_edge(a))) return parts.corners[d];
+            const std::size_t q = parts_.find(first, lowest);
+            for (std::size_t d = parts_.begin(q); d < parts_.end(q); ++d) {
+                const Side a = parts_.before(q, d), b = parts_.sides[d];
+                if ((a == higher && is_edge(b)) || (b == higher && is_edge(a))) return parts_.corners[d];
             }
         }
         throw Error(ErrorCode::internal, "parts of a surface do not meet where three cells do");
     }
 
+    Parts& parts_;
     const Surface& surface_;
     ThreadPool& pool_;
-    std::vector<std::unique_ptr<ClippedTriangle>> workers_;
-    static constexpr std::int64_t unknown = -1, wanted = -2, listed = -3;
-    std::vector<std::int64_t> near_at_;  // by seed: offset into near_, if it is known
-    std::vector<std::int32_t> near_;
-    std::vector<Chunk> chunks_;
-    std::vector<std::pair<Pair, std::uint32_t>> order_;  // of chunks: pairs, and their chunk
 };
 
 }  // namespace
 
 std::size_t Parts::find(std::int32_t triangle, std::int32_t seed) const {
-    const auto begin = seeds.begin() + static_cast<std::ptrdiff_t>(of_triangle[at(triangle)]);
-    const auto end = seeds.begin() + static_cast<std::ptrdiff_t>(of_triangle[at(triangle) + 1]);
-    const auto found = std::lower_bound(begin, end, seed);
-    if (found == end || *found != seed)
+    const auto begin = list.begin() + static_cast<std::ptrdiff_t>(of_triangle[at(triangle)]);
+    const auto end = list.begin() + static_cast<std::ptrdiff_t>(of_triangle[at(triangle) + 1]);
+    const auto found = std::ranges::lower_bound(begin, end, seed, {}, &Part::seed);
+    if (found == end || found->seed != seed)
         throw Error(ErrorCode::internal, "a part of a surface is missing beside another");
-    return static_cast<std::size_t>(found - seeds.begin());
+    return static_cast<std::size_t>(found - list.begin());
 }
 
-Parts find_parts(const Surface& surface, ThreadPool& pool) {
-    return Distribution(surface, pool).make();
+double Parts::share_on_edge(const Surface& surface, const Source& crossing) const {
+    const Surface::Triangle& triangle = surface.triangles()[at(list[crossing.part].triangle)];
+    const Side edge = std::min(before(crossing.part, crossing.corner), sides[crossing.corner]);
+    const auto& w = weights[crossing.corner];
+    std::size_t low = corner_of(edge), high = (low + 1) % 3;
+    if (triangle.vertex[low] > triangle.vertex[high]) std::swap(low, high);
+    return high > 0 ? w[high - 1] : 1 - w[low - 1];
+}
+
+std::array<double, 2> Parts::shared_weights(const Surface& surface, std::size_t p, std::size_t corner) const {
+    const std::size_t given = surface.vertices().size();
+    if (at(corners[corner]) < given) return weights[corner];
+    const Source& source = sources[at(corners[corner]) - given];
+    const std::int32_t own = list[p].triangle;
+    if (list[source.part].triangle == own) return weights[source.corner];
+    const Surface::Triangle& triangle = surface.triangles()[at(own)];
+    std::size_t low = corner_of(std::min(before(p, corner), sides[corner])), high = (low + 1) % 3;
+    if (triangle.vertex[low] > triangle.vertex[high]) std::swap(low, high);
+    const double share = share_on_edge(surface, source);
+    std::array<double, 3> of{};
+    of[low] = 1 - share;
+    of[high] = share;
+    return {of[1], of[2]};
+}
+
+Parts find_parts(const Surface& surface, SurfaceWant want, ThreadPool& pool) {
+    return Distribution(surface, want, pool).make();
+}
+
+void number_corners(Parts& parts, const Surface& surface, ThreadPool& pool) {
+    Numbering(parts, surface, pool).number();
 }
 
 }  // namespace votess::surface

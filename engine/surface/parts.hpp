@@ -1,7 +1,8 @@
 // The parts of all triangles in all cells.
 //
 // A triangle's parts are connected through sides on bisectors. So they are found from the owner of one vertex on: each
-// such side leads to the part of the seed beyond it. This goes on in rounds over all triangles, each on all threads.
+// such side leads to the part of the seed beyond it. One thread finds those of a triangle; only where they are very
+// many, all threads do, in rounds.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +14,40 @@
 
 namespace votess::surface {
 
-// P parts, ascending by triangle, then seed. Some have no area.
+// Integrals count from the seed.
+struct Part {
+    std::int32_t triangle, seed;
+    std::uint32_t sides;  // their number
+    bool has_area;
+    double area, border;  // border: length on edges of one triangle
+    Vector3 moment;       // filled from SurfaceWant::nearest on, as all that follows
+    double energy;
+    std::size_t begin;  // the first side
+};
+
+// P parts, ascending by triangle; from SurfaceWant::nearest on, then by seed. Some have no area.
 struct Parts {
-    std::vector<std::int32_t> triangles, seeds;  // P
-    std::vector<std::uint8_t> without_area;      // P
-    std::vector<std::int64_t> offsets;           // P+1, into the next three
+    std::vector<Part> list;
+    // By side, and the corner that it leads from. Filled from SurfaceWant::nearest on.
     std::vector<Side> sides;
-    std::vector<std::uint8_t> without_length;  // by side
-    std::vector<std::int32_t> corners;         // vertices, see below; filled by number_corners()
-    std::vector<std::size_t> of_triangle;      // T+1: the parts of each
+    std::vector<std::uint8_t> without_length;
+    std::vector<std::array<double, 2>> weights;  // of the triangle's second and third vertex
+    std::vector<std::size_t> of_triangle;        // T+1: the parts of each
     // Vertices 0 to V-1 are those of the mesh. The others are crossings of an edge, or of a triangle inside, with
     // bisectors. The part of lowest seed at a crossing, on an edge in its first triangle, has its place.
-    std::vector<std::array<double, 2>> places;  // by vertex from V on, see ClippedTriangle::place()
+    std::vector<std::int32_t> corners;  // vertices; filled by number_corners()
+    struct Source {
+        std::size_t part, corner;
+    };
+    std::vector<Source> sources;  // by vertex from V on
+    // Returns the weight of the higher vertex at a crossing with an edge.
+    [[nodiscard]] double share_on_edge(const Surface& surface, const Source& crossing) const;
+    // Returns the weights of the second and third vertex at a corner, from the part that has its place.
+    [[nodiscard]] std::array<double, 2> shared_weights(const Surface& surface, std::size_t p, std::size_t corner) const;
 
-    [[nodiscard]] std::size_t size() const { return triangles.size(); }
-    [[nodiscard]] std::size_t begin(std::size_t p) const { return static_cast<std::size_t>(offsets[p]); }
-    [[nodiscard]] std::size_t end(std::size_t p) const { return static_cast<std::size_t>(offsets[p + 1]); }
+    [[nodiscard]] std::size_t size() const { return list.size(); }
+    [[nodiscard]] std::size_t begin(std::size_t p) const { return list[p].begin; }
+    [[nodiscard]] std::size_t end(std::size_t p) const { return list[p].begin + list[p].sides; }
     // Returns the side that leads to a corner.
     [[nodiscard]] Side before(std::size_t p, std::size_t corner) const {
         return sides[corner == begin(p) ? end(p) - 1 : corner - 1];
@@ -37,6 +56,9 @@ struct Parts {
     [[nodiscard]] std::size_t find(std::int32_t triangle, std::int32_t seed) const;
 };
 
-[[nodiscard]] Parts find_parts(const Surface& surface, ThreadPool& pool);
+[[nodiscard]] Parts find_parts(const Surface& surface, SurfaceWant want, ThreadPool& pool);
+
+// Makes equal corners of all parts one vertex.
+void number_corners(Parts& parts, const Surface& surface, ThreadPool& pool);
 
 }  // namespace votess::surface

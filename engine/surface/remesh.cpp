@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -44,6 +45,23 @@ solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
     std::frexp(largest, &exponent);
     scale = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
     return {mesh, scale};
+}
+
+void multiply(std::vector<double>& values, std::initializer_list<double> factors) {
+    for (double& value : values)
+        for (const double factor : factors) value *= factor;
+}
+
+// Turns a mesh of the arrays of near_unit() into one of the given mesh.
+void unscale(Remesh& mesh, double scale) {
+    SurfaceCells& cells = mesh.cells;
+    for (std::vector<double>* lengths : {&mesh.vertices, &mesh.points, &cells.centroids, &cells.nearest, &cells.borders,
+                                         &cells.lengths, &cells.vertices})
+        multiply(*lengths, {scale});
+    for (std::vector<double>* areas : {&cells.areas, &cells.polygon_areas}) multiply(*areas, {scale, scale});
+    for (std::vector<double>* energies : {&mesh.energies, &cells.energies})
+        multiply(*energies, {scale, scale, scale, scale});
+    mesh.distance *= scale;
 }
 
 std::vector<double> sample(const solid::MeshArrays& mesh, double scale, std::size_t count, std::uint64_t rng_seed) {
@@ -145,14 +163,15 @@ std::vector<double> goals_of(const SurfaceCells& cells, const std::vector<Vector
 // Steps of a relaxation, on threads that each step makes again.
 class Relaxation {
 public:
-    Relaxation(const TriangleMesh& mesh, unsigned threads, std::vector<double> points)
+    Relaxation(const TriangleMesh& mesh, unsigned threads, std::vector<double> points, SurfaceWant want)
         : mesh_(mesh), threads_(threads) {
         out_.points = std::move(points);
-        measure();
+        measure(want);
     }
 
-    // Moves seeds to their goals: three numbers each, NaN for those that stay. Returns the largest move.
-    double step(std::span<const double> goals) {
+    // Moves seeds to their goals: three numbers each, NaN for those that stay. Returns the largest move. want: of the
+    // cells after it.
+    double step(std::span<const double> goals, SurfaceWant want) {
         double largest = 0;
         for (std::size_t i = 0; i < out_.cells.size(); ++i) {
             const Vector3 from = place_of(out_.points, i), to{goals[3 * i], goals[3 * i + 1], goals[3 * i + 2]};
@@ -162,20 +181,30 @@ public:
         }
         const double area = std::accumulate(out_.cells.areas.begin(), out_.cells.areas.end(), 0.0);
         out_.moved.push_back(largest / std::sqrt(area / static_cast<double>(out_.cells.size())));
-        measure();
+        measure(want);
         return out_.moved.back();
     }
     void add(std::span<const double> points) {
         out_.points.insert(out_.points.end(), points.begin(), points.end());
-        measure();
+        measure(SurfaceWant::polygons);
+    }
+    // Makes all arrays of the cells.
+    void complete() {
+        if (!out_.cells.indptr.empty()) return;
+        out_.energies.pop_back();
+        measure(SurfaceWant::all);
     }
     [[nodiscard]] const SurfaceCells& cells() const { return out_.cells; }
     [[nodiscard]] const std::vector<double>& points() const { return out_.points; }
-    [[nodiscard]] SurfaceRelaxation take() { return std::move(out_); }
+    [[nodiscard]] SurfaceRelaxation take() {
+        complete();
+        return std::move(out_);
+    }
 
 private:
-    void measure() {
+    void measure(SurfaceWant want) {
         SurfaceOptions options;
+        options.want = want;
         options.threads = threads_;
         out_.cells = surface_cells(out_.points, mesh_, options);
         out_.energies.push_back(std::accumulate(out_.cells.energies.begin(), out_.cells.energies.end(), 0.0));
@@ -189,9 +218,8 @@ private:
 class Remeshing {
 public:
     Remeshing(const solid::ClosedMesh& closed, std::size_t count, const RemeshOptions& options)
-        : given_(closed, 1),
-          mesh_(given_.view()),
-          scaled_(near_unit(closed, scale_)),
+        : scaled_(near_unit(closed, scale_)),
+          mesh_(scaled_.view()),
           features_(scaled_, options.sharp),
           count_(count),
           options_(options),
@@ -200,12 +228,14 @@ public:
     [[nodiscard]] Remesh make() {
         relax();
         mend();
+        relaxation_->complete();
         Remesh mesh = meshed();
         SurfaceRelaxation relaxed = relaxation_->take();
         mesh.points = std::move(relaxed.points);
         mesh.energies = std::move(relaxed.energies);
         mesh.cells = std::move(relaxed.cells);
-        report_on_mesh(mesh, features_);
+        report_on_mesh(mesh, features_, scaled_);
+        unscale(mesh, scale_);
         return mesh;
     }
 
@@ -219,7 +249,7 @@ private:
     }
 
     void step() {
-        relaxation_->step(goals_of(relaxation_->cells(), places()));
+        relaxation_->step(goals_of(relaxation_->cells(), places()), SurfaceWant::polygons);
         report_stage(std::min(++done_, all_steps_), all_steps_);
     }
 
@@ -227,7 +257,8 @@ private:
         std::size_t seeds = count_;
         const unsigned trial = std::min(trial_steps, options_.steps);
         for (unsigned attempt = 1;; ++attempt) {
-            relaxation_.emplace(mesh_, options_.threads, sample(scaled_, scale_, seeds, options_.rng_seed));
+            relaxation_.emplace(mesh_, options_.threads, sample(scaled_, 1, seeds, options_.rng_seed),
+                                SurfaceWant::polygons);
             for (unsigned k = 0; k < trial; ++k) step();
             const auto& pieces = relaxation_->cells().pieces;
             const double all = std::accumulate(pieces.begin(), pieces.end(), 0.0), wanted = static_cast<double>(count_);
@@ -242,6 +273,7 @@ private:
     void mend() {
         std::size_t added = 0;
         for (unsigned round = 0; round < max_rounds; ++round) {
+            relaxation_->complete();
             const SurfaceCells& cells = relaxation_->cells();
             const Remesh mesh = meshed();
             const std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
@@ -286,10 +318,9 @@ private:
         return mesh;
     }
 
-    solid::MeshArrays given_;
-    TriangleMesh mesh_;
     double scale_ = 1;
     solid::MeshArrays scaled_;
+    TriangleMesh mesh_;
     Features features_;
     std::size_t count_;
     const RemeshOptions& options_;
@@ -318,13 +349,13 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
                ": it must be finite and not negative");
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {0, 1});
-    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()});
+    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()}, SurfaceWant::nearest);
     for (unsigned step = 0; step < options.steps; ++step) {
         report_stage(step + 1, std::size_t{options.steps} + 1);
         std::vector<double> goals = relaxation.cells().nearest;
         for (std::size_t i = 0; i < options.fixed.size(); ++i)
             if (options.fixed[i] != 0) goals[3 * i] = surface::nan;
-        if (relaxation.step(goals) <= options.tolerance) break;
+        if (relaxation.step(goals, SurfaceWant::nearest) <= options.tolerance) break;
     }
     return relaxation.take();
 }

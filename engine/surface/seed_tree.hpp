@@ -1,9 +1,13 @@
-// A tree of boxes over seeds, for searches near a place.
+// A tree of boxes over seeds, for searches near a place, and the seeds near each one.
+//
+// Seeds have numbers in the order of the tree, in which near ones follow each other.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -26,11 +30,15 @@ public:
     SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights);
 
     [[nodiscard]] std::size_t size() const { return order_.size(); }
+    // Returns a seed, by its number.
+    [[nodiscard]] std::int32_t seed(std::uint32_t number) const { return order_[number]; }
+    [[nodiscard]] const exact::Point& place(std::uint32_t number) const { return places_[number]; }
+    [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
+    // Returns the leaf of a number.
+    [[nodiscard]] const Node& leaf(std::uint32_t number) const { return nodes_[leaf_of_[number]]; }
 
-    // The seeds, such that those of a box follow each other.
-    [[nodiscard]] const std::vector<std::int32_t>& order() const { return order_; }
-    // Calls visit(seed, its place) in the order of boxes by their distance from x. Passes over boxes with skip(node,
-    // square of the distance).
+    // Calls visit(number) in the order of boxes by their distance from x. Passes over boxes with skip(node, square of
+    // the distance).
     template <class Skip, class Visit>
     void visit_from(const exact::Point& x, Skip skip, Visit visit) const {
         std::array<std::pair<std::uint32_t, double>, max_depth> pending;
@@ -40,7 +48,7 @@ public:
             const Node& node = nodes_[at];
             if (skip(node, square)) continue;
             if (node.child == 0) {
-                for (std::uint32_t k = node.begin; k < node.end; ++k) visit(order_[k], places_[k]);
+                for (std::uint32_t k = node.begin; k < node.end; ++k) visit(k);
                 continue;
             }
             std::pair near{node.child, square_distance(nodes_[node.child], x)};
@@ -65,7 +73,47 @@ private:
 
     std::vector<Node> nodes_;
     std::vector<std::int32_t> order_;
-    std::vector<exact::Point> places_;  // in that order
+    std::vector<exact::Point> places_;    // in that order
+    std::vector<std::uint32_t> leaf_of_;  // nodes, in that order
+};
+
+// The seeds near each one. They are found for all seeds of a leaf when one is asked for first, on any thread.
+class NearSeeds {
+public:
+    // Around one seed, nearly ascending by distance: by squares in float. Complete up to the square of a distance.
+    struct List {
+        std::span<const std::uint32_t> numbers;
+        double complete;
+    };
+    static constexpr double order_rounding = 1e-6;  // of squares
+
+    explicit NearSeeds(const SeedTree& tree) : tree_(tree), of_leaf_(tree.nodes().size()) {}
+    ~NearSeeds() {
+        for (const auto& lists : of_leaf_) delete lists.load(std::memory_order_relaxed);
+    }
+    NearSeeds(const NearSeeds&) = delete;
+    NearSeeds& operator=(const NearSeeds&) = delete;
+
+    [[nodiscard]] List of(std::uint32_t number) const {
+        const SeedTree::Node& leaf = tree_.leaf(number);
+        const Lists& lists = of_leaf(leaf);
+        const std::size_t k = number - leaf.begin;
+        return {std::span(lists.numbers).subspan(lists.begin[k], lists.begin[k + 1] - lists.begin[k]), lists.complete};
+    }
+
+private:
+    struct Lists {
+        double complete = 0;
+        std::vector<std::uint32_t> begin;  // by seed of the leaf, and the end
+        std::vector<std::uint32_t> numbers;
+    };
+    [[nodiscard]] const Lists& of_leaf(const SeedTree::Node& leaf) const;
+    [[nodiscard]] std::unique_ptr<Lists> make(const SeedTree::Node& leaf) const;
+    // Lists the seeds around a leaf up to a distance, or max_count and more of them.
+    void collect(const SeedTree::Node& leaf, double distance, std::vector<std::uint32_t>& found) const;
+
+    const SeedTree& tree_;
+    mutable std::vector<std::atomic<const Lists*>> of_leaf_;  // by node
 };
 
 }  // namespace votess::surface

@@ -142,6 +142,8 @@ void Surface::find_edges() {
         ++edges_.back().triangles;
         triangles_[at(side.triangle)].edge[at(side.slot)] = static_cast<std::int32_t>(edges_.size()) - 1;
     }
+    for (const Edge& edge : edges_)
+        if (edge.triangles == 1) triangles_[at(edge.first)].has_border = true;
 }
 
 }  // namespace votess::surface

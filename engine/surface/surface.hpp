@@ -23,6 +23,7 @@ public:
         std::array<std::int32_t, 3> vertex;
         std::array<std::int32_t, 3> edge;  // from each corner
         double area = 0;                   // 0: not part of the surface
+        bool has_border = false;           // some edge has no other triangle
     };
     struct Edge {
         std::int32_t low, high;  // vertices

@@ -1,13 +1,16 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/thread_pool.hpp"
 #include "input/settle.hpp"
 #include "surface/measures.hpp"
+#include "surface/nearest.hpp"
 #include "surface/parts.hpp"
 
 namespace votess {
@@ -18,78 +21,96 @@ constexpr std::size_t cells_per_task = 64;
 
 class Result {
 public:
-    Result(const Surface& surface, const Parts& parts, ThreadPool& pool)
-        : surface_(surface), parts_(parts), pool_(pool) {}
+    Result(const Surface& surface, SurfaceWant want, Parts& parts, ThreadPool& pool)
+        : surface_(surface), want_(want), parts_(parts), pool_(pool), unscale_(1 / surface.scale()) {}
 
     [[nodiscard]] SurfaceCells make() {
+        if (want_ == SurfaceWant::areas) {
+            sum_areas();
+            return std::move(out_);
+        }
         sort_by_seed();
+        if (want_ >= SurfaceWant::polygons) number_corners(parts_, surface_, pool_);
         measure();
-        make_polygons();
-        make_vertices();
-        make_dual();
+        if (want_ >= SurfaceWant::polygons) {
+            make_polygons();
+            make_vertices();
+        }
+        if (want_ == SurfaceWant::all) make_dual();
         return std::move(out_);
     }
 
 private:
+    void sum_areas() {
+        out_.areas.resize(surface_.seeds());
+        out_.borders.resize(surface_.seeds());
+        for (const Part& part : parts_.list) {
+            out_.areas[at(part.seed)] += part.area;
+            out_.borders[at(part.seed)] += part.border;
+        }
+        for (double& area : out_.areas) area *= unscale_ * unscale_;
+        for (double& border : out_.borders) border *= unscale_;
+    }
+
     void sort_by_seed() {
         begin_.assign(surface_.seeds() + 1, 0);
-        for (const std::int32_t seed : parts_.seeds) ++begin_[at(seed) + 1];
+        for (const Part& part : parts_.list) ++begin_[at(part.seed) + 1];
         std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
         by_seed_.resize(parts_.size());
         std::vector<std::size_t> next = begin_;
-        for (std::size_t p = 0; p < parts_.size(); ++p) by_seed_[next[at(parts_.seeds[p])]++] = p;
+        for (std::size_t p = 0; p < parts_.size(); ++p) by_seed_[next[at(parts_.list[p].seed)]++] = p;
     }
 
     void measure() {
         const std::size_t count = surface_.seeds();
-        const double unscale = 1 / surface_.scale();
+        const bool has_polygons = want_ >= SurfaceWant::polygons, is_all = want_ == SurfaceWant::all;
         out_.areas.resize(count);
         out_.energies.resize(count);
         out_.borders.resize(count);
         out_.centroids.resize(3 * count);
         out_.nearest.resize(3 * count);
-        out_.pieces.resize(count);
-        out_.euler.resize(count);
-        areas_.resize(parts_.size());
-        pieces_.resize(parts_.size());
+        if (has_polygons) {
+            out_.pieces.resize(count);
+            out_.euler.resize(count);
+            pieces_.resize(parts_.size());
+        }
+        if (is_all) out_.indptr.assign(count + 1, 0);
         std::vector<std::unique_ptr<CellOnSurface>> cells(pool_.size());
         std::vector<std::vector<CellOnSurface::Shared>> rows(ceil_div(count, cells_per_task));
-        out_.indptr.assign(count + 1, 0);
         pool_.run(rows.size(), [&](std::size_t index, unsigned worker) {
             check_stop();
-            if (!cells[worker]) cells[worker] = std::make_unique<CellOnSurface>(surface_, parts_);
+            if (!cells[worker]) cells[worker] = std::make_unique<CellOnSurface>(surface_, parts_, want_);
             CellOnSurface& cell = *cells[worker];
             for (std::size_t i = index * cells_per_task; i < std::min(count, (index + 1) * cells_per_task); ++i) {
                 const std::span own(by_seed_.data() + begin_[i], begin_[i + 1] - begin_[i]);
                 cell.measure(static_cast<std::int32_t>(i), own);
-                out_.areas[i] = cell.area * unscale * unscale;
-                out_.energies[i] = cell.energy * unscale * unscale * unscale * unscale;
-                out_.borders[i] = cell.border * unscale;
+                out_.areas[i] = cell.area * unscale_ * unscale_;
+                out_.energies[i] = cell.energy * unscale_ * unscale_ * unscale_ * unscale_;
+                out_.borders[i] = cell.border * unscale_;
                 const exact::Point& seed = surface_.seed(static_cast<std::int32_t>(i));
                 for (std::size_t k = 0; k < 3; ++k) {
-                    out_.centroids[3 * i + k] = (seed[k] + cell.centroid[k]) * unscale;
-                    out_.nearest[3 * i + k] = (seed[k] + cell.nearest[k]) * unscale;
+                    out_.centroids[3 * i + k] = (seed[k] + cell.centroid[k]) * unscale_;
+                    out_.nearest[3 * i + k] = (seed[k] + cell.nearest[k]) * unscale_;
                 }
+                if (!has_polygons) continue;
                 out_.pieces[i] = cell.pieces;
                 out_.euler[i] = cell.euler;
+                for (std::size_t k = 0; k < own.size(); ++k) pieces_[own[k]] = cell.part_pieces[k];
+                if (!is_all) continue;
                 out_.indptr[i + 1] = static_cast<std::int64_t>(cell.row.size());
                 rows[index].insert(rows[index].end(), cell.row.begin(), cell.row.end());
-                for (std::size_t k = 0; k < own.size(); ++k) {
-                    areas_[own[k]] = cell.part_areas[k] * unscale * unscale;
-                    pieces_[own[k]] = cell.part_pieces[k];
-                }
             }
         });
         std::partial_sum(out_.indptr.begin(), out_.indptr.end(), out_.indptr.begin());
         std::int32_t before = 0;
-        for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t i = 0; i < out_.pieces.size(); ++i) {
             for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) pieces_[by_seed_[k]] += before;
             before += out_.pieces[i];
         }
         for (const auto& row : rows)
             for (const CellOnSurface::Shared& shared : row) {
                 out_.indices.push_back(shared.seed);
-                out_.lengths.push_back(shared.length * unscale);
+                out_.lengths.push_back(shared.length * unscale_);
                 out_.curves.push_back(shared.curves);
                 out_.loops.push_back(shared.loops);
             }
@@ -99,10 +120,11 @@ private:
     void make_polygons() {
         out_.polygon_offsets.assign(1, 0);
         for (std::size_t p = 0; p < parts_.size(); ++p) {
-            if (parts_.without_area[p] != 0) continue;
-            out_.polygon_triangles.push_back(parts_.triangles[p]);
-            out_.polygon_seeds.push_back(parts_.seeds[p]);
-            out_.polygon_areas.push_back(areas_[p]);
+            const Part& part = parts_.list[p];
+            if (!part.has_area) continue;
+            out_.polygon_triangles.push_back(part.triangle);
+            out_.polygon_seeds.push_back(part.seed);
+            out_.polygon_areas.push_back(part.area * unscale_ * unscale_);
             out_.polygon_pieces.push_back(pieces_[p]);
             for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
                 if (parts_.without_length[c] != 0) continue;
@@ -114,32 +136,26 @@ private:
     }
 
     void make_vertices() {
-        const std::size_t given = surface_.vertices().size(), count = given + parts_.places.size();
-        const double unscale = 1 / surface_.scale();
-        out_.vertices.resize(3 * count);
+        const std::size_t given = surface_.vertices().size();
+        out_.vertices.resize(3 * (given + parts_.sources.size()));
         const auto set = [&](std::size_t v, const exact::Point& x) {
-            for (std::size_t k = 0; k < 3; ++k) out_.vertices[3 * v + k] = x[k] * unscale;
+            for (std::size_t k = 0; k < 3; ++k) out_.vertices[3 * v + k] = x[k] * unscale_;
         };
         for (std::size_t v = 0; v < given; ++v) set(v, surface_.vertices()[v]);
-        for (std::size_t p = 0; p < parts_.size(); ++p) {
-            const Surface::Triangle& triangle = surface_.triangles()[at(parts_.triangles[p])];
-            for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
-                const std::size_t v = at(parts_.corners[c]);
-                const Side in = parts_.before(p, c), out = parts_.sides[c];
-                if (v < given) continue;
-                const auto& place = parts_.places[v - given];
-                exact::Point x;
-                if (in >= 0 && out >= 0) {
-                    const auto &u = surface_.vertex(triangle.vertex[0]), &a = surface_.vertex(triangle.vertex[1]),
-                               &b = surface_.vertex(triangle.vertex[2]);
-                    for (std::size_t k = 0; k < 3; ++k)
-                        x[k] = u[k] + place[0] * (a[k] - u[k]) + place[1] * (b[k] - u[k]);
-                } else {
-                    const Surface::Edge& edge = surface_.edges()[at(triangle.edge[corner_of(std::min(in, out))])];
-                    const auto &a = surface_.vertex(edge.low), &b = surface_.vertex(edge.high);
-                    for (std::size_t k = 0; k < 3; ++k) x[k] = a[k] + place[0] * (b[k] - a[k]);
-                }
-                set(v, x);
+        for (std::size_t v = 0; v < parts_.sources.size(); ++v) {
+            const auto [p, c] = parts_.sources[v];
+            const Surface::Triangle& triangle = surface_.triangles()[at(parts_.list[p].triangle)];
+            const Side in = parts_.before(p, c), out = parts_.sides[c];
+            if (in >= 0 && out >= 0) {
+                const auto& u = surface_.vertex(triangle.vertex[0]);
+                const auto& w = parts_.weights[c];
+                set(given + v, along(along(u, minus(surface_.vertex(triangle.vertex[1]), u), w[0]),
+                                     minus(surface_.vertex(triangle.vertex[2]), u), w[1]));
+            } else {
+                const Surface::Edge& edge = surface_.edges()[at(triangle.edge[corner_of(std::min(in, out))])];
+                const auto& low = surface_.vertex(edge.low);
+                set(given + v,
+                    along(low, minus(surface_.vertex(edge.high), low), parts_.share_on_edge(surface_, {p, c})));
             }
         }
     }
@@ -151,7 +167,7 @@ private:
         for (std::size_t p = 0; p < parts_.size(); ++p)
             for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
                 const Side in = parts_.before(p, c), out = parts_.sides[c];
-                const std::int32_t seed = parts_.seeds[p], triangle = parts_.triangles[p];
+                const auto [triangle, seed] = std::pair(parts_.list[p].triangle, parts_.list[p].seed);
                 if (seed < in && seed < out)
                     use(std::array{seed, in, out}, std::array{pieces_[p], pieces_[parts_.find(triangle, in)],
                                                               pieces_[parts_.find(triangle, out)]});
@@ -186,11 +202,12 @@ private:
     }
 
     const Surface& surface_;
-    const Parts& parts_;
+    SurfaceWant want_;
+    Parts& parts_;
     ThreadPool& pool_;
+    double unscale_;
     SurfaceCells out_;
     std::vector<std::size_t> begin_, by_seed_;  // parts of each seed
-    std::vector<double> areas_;                 // by part
     std::vector<std::int32_t> pieces_;          // by part, numbered over all cells
 };
 
@@ -199,15 +216,19 @@ private:
 
 SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& mesh, const SurfaceOptions& options) {
     check_threads(options.threads);
+    if (options.want < SurfaceWant::areas || options.want > SurfaceWant::all)
+        refuse("SurfaceOptions::want is " + std::to_string(static_cast<std::int32_t>(options.want)) +
+               ": give areas, nearest, polygons or all");
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {});
     const surface::Surface surface(points, mesh, options.weights);
     ThreadPool pool(options.threads);
-    const surface::Parts parts = surface::find_parts(surface, pool);
-    return surface::Result(surface, parts, pool).make();
+    surface::Parts parts = surface::find_parts(surface, options.want, pool);
+    return surface::Result(surface, options.want, parts, pool).make();
 }
 
 std::vector<std::int32_t> SurfaceCells::faults() const {
+    if (indptr.size() != size() + 1) refuse("SurfaceCells::faults() needs all arrays: set SurfaceOptions::want to all");
     std::vector<std::uint8_t> bad(size());
     for (std::size_t i = 0; i < size(); ++i) {
         if (pieces[i] > 0 && (pieces[i] != 1 || euler[i] != 1)) bad[i] = 1;

@@ -12,12 +12,12 @@ extern "C" {
 typedef struct votess_surface votess_surface;
 
 typedef struct votess_surface_options {
-    uint32_t struct_size;   // set it to sizeof(votess_surface_options); all other members may be 0
-    uint32_t threads;       // 0: one for each processor
-    const double* weights;  // count, length unit squared; NULL for none
-    double tolerance;       // as TriangleMesh::tolerance
-    int32_t merge;          // 1: vertices at equal places are one
-    int32_t reserved;
+    uint32_t struct_size;               // set it to sizeof(votess_surface_options); all other members may be 0
+    uint32_t threads;                   // 0: one for each processor
+    const double* weights;              // count, length unit squared; NULL for none
+    double tolerance;                   // as TriangleMesh::tolerance
+    int32_t merge;                      // 1: vertices at equal places are one
+    int32_t want;                       // SurfaceWant, 0: all arrays; the others are then empty
     votess_progress_callback progress;  // may be NULL
     void* user;
 } votess_surface_options;

@@ -20,10 +20,19 @@
 
 namespace votess {
 
+// Which arrays of SurfaceCells to make. Each requests those of the former too; the others stay empty.
+enum class SurfaceWant : std::int32_t {
+    areas = 1,     // areas, borders
+    nearest = 2,   // centroids, nearest, energies
+    polygons = 3,  // pieces, euler, polygon_*, corners, beyond, vertices
+    all = 4,       // rows and duals
+};
+
 struct SurfaceOptions {
     std::span<const double> weights = {};  // N, length unit squared, as Options::weights; empty: none
-    unsigned threads = 0;                  // as Options::threads
-    ProgressCallback progress = {};        // as Options::progress
+    SurfaceWant want = SurfaceWant::all;
+    unsigned threads = 0;            // as Options::threads
+    ProgressCallback progress = {};  // as Options::progress
 };
 
 // N cells on a surface of V vertices and T triangles.
@@ -64,7 +73,8 @@ struct VOTESS_API SurfaceCells {
     [[nodiscard]] std::size_t size() const noexcept { return areas.size(); }  // N
     // Returns the seeds at which the dual may differ from the surface (Edelsbrunner, Shah: Triangulating topological
     // spaces, 1997). Their part is not a disk, or shares several curves or a closed one with a neighbor, or meets
-    // two neighbors at several places. More seeds near them mend this. Seeds without a part are not among them.
+    // two neighbors at several places. More seeds near them mend this. Seeds without a part are not among them. Throws
+    // invalid_argument unless all arrays were wanted.
     [[nodiscard]] std::vector<std::int32_t> faults() const;
 };
 
@@ -99,14 +109,14 @@ struct VOTESS_API SurfaceRelaxation {
 // Returns `count` random places, uniform by area: 3 * count numbers, one place in each stretch of equal area. The same
 // on every machine. Throws invalid_argument as surface_cells().
 [[nodiscard]] VOTESS_API std::vector<double> sample_surface(const TriangleMesh& surface, std::size_t count,
-                                                            std::uint64_t rng_seed = 0);
+                                                            std::uint64_t rng_seed = 1);
 
 struct RemeshOptions {
     unsigned steps = 30;  // of the relaxation
     // Degrees, above 0: an edge at which the surface turns by more is sharp, and a sharp edge has a corner where it
     // turns by more. 180: keep borders alone.
     double sharp = 40;
-    std::uint64_t rng_seed = 0;      // of the first places
+    std::uint64_t rng_seed = 1;      // of the first places
     unsigned threads = 0;            // as Options::threads
     ProgressCallback progress = {};  // as Options::progress
 };

@@ -128,6 +128,28 @@ TEST_CASE("surface: ties go to the lowest seed, and polygons share corners") {
     CHECK(cells.indices.size() == 2 * 24);
 }
 
+TEST_CASE("surface: all threads share a triangle of many cells") {
+    const Given square{{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, {0, 1, 2, 0, 2, 3}};
+    std::vector<double> points;
+    for (std::uint32_t i = 0, state = 1; i < 30000; ++i) {
+        state = state * 1664525 + 1013904223;
+        points.push_back(i % 3 == 2 ? 0 : state * 0x1p-32);
+    }
+    const votess::SurfaceCells one = votess::surface_cells(points, square.view(), {.threads = 1});
+    const votess::SurfaceCells three = votess::surface_cells(points, square.view(), {.threads = 3});
+    CHECK(std::abs(sum(one.areas) - 1) < 1e-13);
+    CHECK(one.areas == three.areas);
+    CHECK(one.indices == three.indices);
+    CHECK(one.corners == three.corners);
+    CHECK(one.vertices == three.vertices);
+    const votess::SurfaceCells areas =
+        votess::surface_cells(points, square.view(), {.want = votess::SurfaceWant::areas, .threads = 3});
+    CHECK(areas.areas == one.areas);
+    CHECK(areas.borders == one.borders);
+    CHECK(areas.indptr.empty());
+    CHECK_THROWS_AS((void)areas.faults(), votess::Error);
+}
+
 TEST_CASE("surface: refuses what it cannot read, and stops") {
     const Given square{{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, {0, 1, 2, 0, 2, 3}};
     const std::vector<double> points{0.5, 0.5, 0};

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Literal, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_count, as_flag, as_number, as_path
+from ._arguments import as_count, as_flag, as_number, as_path, as_word
 from ._call import Handle, Progress, raise_on_failure, run
 from ._input import as_array, as_one_each, as_points
 from ._library import lib
@@ -20,7 +20,22 @@ if TYPE_CHECKING:
 
     from ._types import Float64Array, Int32Array, Int64Array
 
+SurfaceWant = Literal["areas", "nearest", "polygons", "all"]
+
 _MAX_VERTICES = 2**28
+#: The arrays of each word of want. A word requests those of the words before it too.
+_ARRAYS: Dict[SurfaceWant, Tuple[str, ...]] = {
+    "areas": ("areas", "borders"),
+    "nearest": ("centroids", "nearest", "energies"),
+    "polygons": (
+        "pieces", "euler", "polygon_triangles", "polygon_seeds", "polygon_areas", "polygon_pieces", "polygon_offsets",
+        "corners", "beyond", "vertices",
+    ),
+    "all": (
+        "indptr", "indices", "lengths", "curves", "loops", "dual", "dual_counts", "piece_dual", "piece_dual_counts", "faults",
+    ),
+}  # fmt: skip
+_LEVELS = {word: level for level, word in enumerate(_ARRAYS, 1)}
 _FIGURES = ("min_angle", "mean_min_angle", "distance", "border_edges", "crowded_edges")
 
 
@@ -31,6 +46,7 @@ class SurfaceCells:
     Polygons: one for each triangle and cell that share an area, P of them, ascending by triangle, then seed. Polygon p has
     the corners ``corners[polygon_offsets[p] : polygon_offsets[p + 1]]``, which run as those of the triangle. Corners are
     shared: where polygons meet, they name the same rows of ``vertices``. The first V rows are those of the surface.
+    Arrays that :func:`surface` was not asked for are missing.
     """
 
     areas: Float64Array  #: (N,) of the parts; they sum to the area of the surface
@@ -71,10 +87,19 @@ class SurfaceCells:
         return len(self.areas)
 
     def __repr__(self) -> str:
-        return (
-            f"<pyvotess.SurfaceCells: {len(self)} cells, {len(self.polygon_seeds)} polygons, {len(self.dual)} triangles, "
-            f"{len(self.faults)} faults>"
-        )
+        made = vars(self)
+        counts = {"polygons": "polygon_seeds", "triangles": "dual", "faults": "faults"}
+        return f"<pyvotess.SurfaceCells: {len(self)} cells" + "".join(
+            f", {len(made[name])} {what}" for what, name in counts.items() if name in made
+        ) + ">"
+
+    if not TYPE_CHECKING:  # a type checker would accept any name
+
+        def __getattr__(self, name: str) -> Any:
+            for word, names in _ARRAYS.items():
+                if name in names:
+                    raise AttributeError(f"{name} was not computed: give want={word!r} to surface()")
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     @property
     def perimeters(self) -> Float64Array:
@@ -165,6 +190,7 @@ def surface(
     triangles: npt.ArrayLike,
     *,
     weights: Optional[npt.ArrayLike] = None,
+    want: SurfaceWant = "all",
     merge: bool = False,
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
@@ -181,6 +207,9 @@ def surface(
     vertices : (V, 3) array of real numbers.
     triangles : (T, 3) rows of ``vertices``.
     weights : (N,) weights of a power diagram, as for :func:`tessellate`.
+    want : which arrays to make. ``"areas"``: ``areas`` and ``borders``; ``"nearest"``: also ``centroids``, ``nearest`` and
+        ``energies``; ``"polygons"``: also the polygons, ``vertices``, ``pieces`` and ``euler``; ``"all"``: also the rows of
+        neighbors and the duals.
     merge : make vertices at equal places one, as for triangles of an STL file.
     threads : as for :func:`tessellate`. The result is the same on any number.
     progress : as for :func:`tessellate`.
@@ -197,11 +226,14 @@ def surface(
     """
     seeds = as_points(points).astype(np.float64, copy=False)
     given = None if weights is None else as_one_each(weights, "weights", len(seeds), "points")
-    options = _c_api.SurfaceOptions(threads=as_count(threads, "threads", 32), weights=given, merge=as_flag(merge, "merge"))
+    level = as_word(want, "want", _LEVELS)
+    options = _c_api.SurfaceOptions(
+        threads=as_count(threads, "threads", 32), weights=given, want=level, merge=as_flag(merge, "merge")
+    )
     handle = Handle("surface")
     mesh = _as_mesh(vertices, triangles)
     run(lib.votess_surface_new, seeds, len(seeds), *mesh, options, handle, options=options, progress=progress)
-    return _cells(handle)
+    return _cells(handle, level)
 
 
 def _as_mesh(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Tuple[Float64Array, int, Int32Array, int]:
@@ -210,8 +242,11 @@ def _as_mesh(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Tuple[Float64
     return places, len(places), rows, len(rows)
 
 
-def _cells(handle: Handle) -> SurfaceCells:
-    return SurfaceCells(**handle.arrays(*SurfaceCells.__dataclass_fields__))
+def _cells(handle: Handle, level: int = len(_ARRAYS)) -> SurfaceCells:
+    cells = object.__new__(SurfaceCells)
+    for names in list(_ARRAYS.values())[:level]:
+        vars(cells).update(handle.arrays(*names))
+    return cells
 
 
 def lloyd_on_surface(
@@ -268,7 +303,7 @@ def remesh(
     *,
     steps: int = 30,
     sharp: float = 40.0,
-    rng_seed: int = 0,
+    rng_seed: int = 1,
     merge: bool = False,
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,

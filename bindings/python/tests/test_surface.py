@@ -189,10 +189,40 @@ class Surface(unittest.TestCase):
         self.assertEqual((thin.border_edges, thin.crowded_edges, len(thin.faults)), (0, 0, 0))
         self.assertLess(len(thin.points), 0.7 * len(thin.vertices))
         # An open square: its border is kept.
-        flat = vt.remesh(*SQUARE, 60)
+        flat = vt.remesh(*SQUARE, 60, rng_seed=0)
         x = flat.vertices[flat.triangles]
         np.testing.assert_allclose(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2].sum() / 2, 1, rtol=1e-12)
-        np.testing.assert_array_equal(flat.vertices, vt.remesh(*SQUARE, 60, threads=1).vertices)
+        np.testing.assert_array_equal(flat.vertices, vt.remesh(*SQUARE, 60, rng_seed=0, threads=1).vertices)
+
+    def test_want(self):
+        points, (vertices, triangles) = sphere(60), globe(8, 12)
+        whole = vt.surface(points, vertices, triangles)
+        made = 0
+        for want in ("areas", "nearest", "polygons", "all"):
+            cells = vt.surface(points, vertices, triangles, want=want)
+            self.assertGreater(len(vars(cells)), made)
+            made = len(vars(cells))
+            for name, array in vars(cells).items():
+                np.testing.assert_array_equal(array, getattr(whole, name), name)
+        self.assertEqual(made, len(vt.SurfaceCells.__dataclass_fields__))
+        cells = vt.surface(points, vertices, triangles, want="areas")
+        self.assertIn("60 cells>", repr(cells))
+        with self.assertRaisesRegex(AttributeError, "dual was not computed: give want='all' to surface()"):
+            cells.dual
+
+    def test_remesh_in_any_unit(self):
+        vertices, triangles = np.asarray(globe(8, 12)[0], float), globe(8, 12)[1]
+        one = vt.remesh(vertices, triangles, 100, steps=5)
+        for unit in (2.0**300, 2.0**-300):
+            mesh = vt.remesh(vertices * unit, triangles, 100, steps=5)
+            np.testing.assert_array_equal(mesh.vertices, one.vertices * unit)
+            np.testing.assert_array_equal(mesh.cells.areas, one.cells.areas * unit**2)
+            self.assertEqual((mesh.distance, mesh.min_angle), (one.distance * unit, one.min_angle))
+        # The distance is that of places on the surface, also beside other sheets.
+        a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+        normals = np.cross(b - a, c - a)
+        off = np.abs(((one.vertices[:, None] - a) * normals).sum(axis=2) / np.linalg.norm(normals, axis=1)).min(axis=1)
+        self.assertLess(off.max(), 1e-12)
 
     def test_remesh_keeps_small_parts_or_reports_them(self):
         corners, sides = cube()
