@@ -17,7 +17,7 @@ namespace {
 
 using Shape = std::array<std::size_t, 3>;
 
-constexpr double nodes_per_seed_and_axis = 2;
+constexpr double nodes_per_seed_and_axis = 1;
 constexpr std::array<double, 2> min_nodes{64.0 * 64, 24.0 * 24 * 24}, max_nodes{256.0 * 256, 64.0 * 64 * 64};
 constexpr double max_along_axis = 512;
 constexpr double coarsest_steps = 16;  // along the longest axis
