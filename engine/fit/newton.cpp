@@ -17,8 +17,8 @@ constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
 constexpr double dying = 1e-4, max_dying = 0.1;
-constexpr int max_revivals = 3, max_first_revivals = 10;
-constexpr double left_small = 0.25, first_left_small = 0.9;  // share of small cells after a revival; else it ends
+constexpr int max_revivals = 3, max_first_revivals = 40;
+constexpr double left_small = 0.25, first_left_small = 1;  // share of small cells after a revival; else it ends
 // In tight clusters the large cells move planes by more than the whole size of small ones, so steps of all cells are
 // short. Then only the smallest cells grow until none is below a share of its target. The second share holds if steps
 // are short again.
