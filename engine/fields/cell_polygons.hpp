@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,6 +14,7 @@
 namespace votess::fields {
 
 // Both arguments must outlive it. A cell of the plane is a prism from z = 0 to 1, without the polygons below and above.
+// Its entries are edges too.
 class CellPolygons {
 public:
     CellPolygons(const Tessellation& t, const Frame& frame) : t_(t), frame_(frame), dimensions_(t.planar() ? 2 : 3) {}
@@ -41,6 +44,15 @@ public:
             polygon_.push_back({polygon_[k][0], polygon_[k][1], 1});
         if (frame_.mirrored()) std::ranges::reverse(polygon_);
         return polygon_;
+    }
+    // Returns the edge of an entry in the plane, counterclockwise in the grid, relative to at().
+    [[nodiscard]] std::array<Vector, 2> edge(std::size_t entry) const {
+        const std::int64_t corner = t_.face_offsets()[entry];
+        std::array<Vector, 2> edge;
+        for (std::int64_t k = 0; k < 2; ++k)
+            edge[static_cast<std::size_t>(frame_.mirrored() ? 1 - k : k)] =
+                frame_.difference(first_.data(), vertex(corner + k).data());
+        return edge;
     }
 
 private:

@@ -73,6 +73,9 @@ public:
     // A difference that is times the scale of the job, and where the domain begins at that scale.
     [[nodiscard]] Vector in_grid(const Vector& difference) const;
     [[nodiscard]] const Vector& origin() const { return origin_; }
+    // Edge k of the domain, and the scale of both.
+    [[nodiscard]] const Vector& edge(std::size_t k) const { return edges_[k]; }
+    [[nodiscard]] double scale() const { return scale_; }
     // The difference of two places of the input, from that in coordinates of the grid.
     [[nodiscard]] Vector in_space(const Vector& difference) const;
     // The center of a grid cell, in space.

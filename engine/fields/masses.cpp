@@ -65,34 +65,52 @@ struct Part {
 
 class Integrator {
 public:
-    Integrator(const Tessellation& t, const Frame& frame, std::span<const double> values, bool flat, bool walls,
-               Masses& out)
+    // flat: null, or the cells of a sheet.
+    Integrator(const Tessellation& t, const Frame& frame, std::span<const double> values, const FlatCells* flat,
+               bool walls, Masses& out)
         : t_(t),
           frame_(frame),
           values_(values),
+          flat_(flat),
           walls_(walls),
           out_(out),
           polygons_(t, frame),
           slicer_(frame),
           size_(frame.cell_size()),
           dimensions_(t.planar() ? 2 : 3),
-          flat_(flat) {
+          volumes_(flat != nullptr ? flat->volumes() : t.volumes()),
+          areas_(flat != nullptr ? flat->areas() : t.face_areas()) {
         for (std::size_t k = 0; k < 3; ++k) {
             Vector step{};
             step[k] = 1;
             edges_[k] = frame.in_space(step);
         }
+        const auto along = [&](std::size_t k) { return static_cast<std::size_t>(frame.axis(k).count); };
+        row_step_ = along(1) * along(2);
     }
 
     void add_cell(std::size_t seed) {
         for (std::size_t k = 0; k < dimensions_; ++k)
             out_.centroids[dimensions_ * seed + k] = std::numeric_limits<double>::quiet_NaN();
-        if (!polygons_.load(seed)) return;
+        if (flat_ != nullptr ? t_.status()[seed] != CellStatus::certified : !polygons_.load(seed)) return;
         moments_ = {};
         volume_ = 0;
         parts_.clear();
-        place_.at = polygons_.at();
-        for (std::size_t entry = polygons_.begin(); entry < polygons_.end(); ++entry) add_face(entry);
+        place_.at = flat_ != nullptr ? flat_->at(seed) : polygons_.at();
+        first_ = flat_ != nullptr ? flat_->first(seed) : polygons_.first();
+        const auto end = static_cast<std::size_t>(t_.indptr()[seed + 1]);
+        for (auto entry = static_cast<std::size_t>(t_.indptr()[seed]); entry < end; ++entry) {
+            const bool has_mass = walls_ || t_.indices()[entry] >= 0;
+            if (flat_ != nullptr) {
+                const FlatCells::Edge& edge = flat_->edge(entry);
+                add_edge(entry, {edge.from[0], edge.from[1], 0}, {edge.to[0], edge.to[1], 0}, has_mass);
+            } else if (dimensions_ == 2) {
+                const auto [from, to] = polygons_.edge(entry);
+                add_edge(entry, from, to, has_mass);
+            } else {
+                add_face(entry, polygons_.polygon(entry), has_mass);
+            }
+        }
         add_rows();
         finish(seed);
     }
@@ -106,40 +124,40 @@ private:
         return value(cell);
     }
 
-    void add_face(std::size_t entry) {
-        const std::span<const Vector> corners = polygons_.polygon(entry);
+    // The grid cells that a face meets along an axis. between: whether it lies between two layers of them.
+    [[nodiscard]] Range cover(std::size_t k, double least, double largest, bool& between) const {
+        const Range range = frame_.cover(k, place_.at[k], least, largest);
+        between = least == largest && least == static_cast<double>(range.first) - place_.at[k] &&
+                  (frame_.axis(k).periodic || range.first > 0);
+        return range;
+    }
+
+    // The mean density of a face, by parts.
+    struct Mean {
+        double sum = 0, all = 0;
+        void add(double density, double share) { sum += share * density, all += share; }
+    };
+    void set_face_mass(std::size_t entry, const Mean& mean, double area_in_grid) {
+        const double density = mean.all > 0 ? mean.sum / mean.all : value_at_corner();
+        out_.face_masses[entry] = density * (areas_.empty() ? area_in_grid : areas_[entry]);
+    }
+
+    void add_face(std::size_t entry, std::span<const Vector> corners, bool has_mass) {
         const Vector area = area_of(corners);
-        const bool has_mass = walls_ || t_.indices()[entry] >= 0;
         if (corners.size() < 3 || (!has_mass && area[0] == 0)) return;
         Window window;
-        std::array<bool, 3> between{};  // two layers of grid cells
+        std::array<bool, 3> between{};
         for (std::size_t k = 0; k < 3; ++k) {
             const auto [least, largest] = std::ranges::minmax(corners, {}, [k](const Vector& x) { return x[k]; });
-            if (flat_ && k == 2 && largest[k] - least[k] < 0.5) return;  // below or above the sheet
-            window[k] = frame_.cover(k, place_.at[k], least[k], largest[k]);
-            between[k] = least[k] == largest[k] && least[k] == static_cast<double>(window[k].first) - place_.at[k] &&
-                         (frame_.axis(k).periodic || window[k].first > 0);
+            window[k] = cover(k, least[k], largest[k], between[k]);
         }
-        double sum = 0, all = 0;
-        const auto add_share = [&](const Cell& cell, double share) {
-            sum += share * mean_of_sides(cell, between);
-            all += share;
-        };
-        if (flat_) {
-            slice_side(corners, window, [&](const Cell& cell, const Vector& from, const Vector& to, double share) {
-                if (has_mass) add_share(cell, share);
-                if (area[0] != 0) add_side(cell, from, to);
-            });
-        } else {
-            face_.corners.assign(corners.begin(), corners.end());
-            slicer_.slice(face_, place_, window, [&](const Cell& cell, const ConvexPolygon& part) {
-                if (has_mass) add_share(cell, dot(area_of(part.corners), area));
-                if (area[0] != 0) add_polygon(cell, part.corners);
-            });
-        }
-        if (!has_mass) return;
-        const double mean = all > 0 ? sum / all : value_at_corner();
-        out_.face_masses[entry] = mean * (t_.face_areas().empty() ? area_in_space(area) : t_.face_areas()[entry]);
+        Mean mean;
+        face_.corners.assign(corners.begin(), corners.end());
+        slicer_.slice(face_, place_, window, [&](const Cell& cell, const ConvexPolygon& part) {
+            if (has_mass) mean.add(mean_of_sides(cell, between), dot(area_of(part.corners), area));
+            if (area[0] != 0) add_polygon(cell, part.corners);
+        });
+        if (has_mass) set_face_mass(entry, mean, area_in_space(area));
     }
 
     // Returns the area in space of a face that has this one in the grid.
@@ -163,20 +181,15 @@ private:
         return mean;
     }
 
-    // Cuts the side of a prism: its lower edge is cut by the lines of the grid. Calls take(cell, from, to, share).
-    template <class Take>
-    void slice_side(std::span<const Vector> corners, const Window& window, const Take& take) const {
-        const auto height = [](const Vector& x) { return x[2]; };
-        const double middle = (std::ranges::min(corners, {}, height)[2] + std::ranges::max(corners, {}, height)[2]) / 2;
-        std::size_t first = 0;
-        while (first + 1 < corners.size() &&
-               !(corners[first][2] < middle && corners[(first + 1) % corners.size()][2] < middle))
-            ++first;
-        Vector a = corners[first], b = corners[(first + 1) % corners.size()];
-        a[2] = b[2] = middle;
-        Cell cell{0, 0, window[2].first};
+    // The side of a prism over an edge. The lines of the grid cut the edge.
+    void add_edge(std::size_t entry, const Vector& a, const Vector& b, bool has_mass) {
+        if (!has_mass && a[1] == b[1]) return;
+        std::array<Range, 2> window;
+        std::array<bool, 3> between{};
+        Cell cell{};
         std::array<std::int64_t, 2> step{}, end{};
         for (std::size_t k = 0; k < 2; ++k) {
+            window[k] = cover(k, std::min(a[k], b[k]), std::max(a[k], b[k]), between[k]);
             step[k] = b[k] < a[k] ? -1 : 1;
             cell[k] = step[k] > 0 ? window[k].first : window[k].last;
             end[k] = step[k] > 0 ? window[k].last : window[k].first;
@@ -188,6 +201,7 @@ private:
             return std::clamp((line - a[k]) / (b[k] - a[k]), 0.0, 1.0);
         };
         std::array<double, 2> next{leaves(0), leaves(1)};
+        Mean mean;
         double done = 0;
         Vector from = a;
         while (true) {
@@ -196,14 +210,18 @@ private:
             const double share = last ? 1 : std::max(done, next[k]);
             Vector to = b;
             for (std::size_t i = 0; i < 2 && !last; ++i) to[i] = a[i] + share * (b[i] - a[i]);
-            if (share > done || last) take(cell, from, to, share - done);
-            if (last) return;
+            if (share > done || last) {
+                if (has_mass) mean.add(mean_of_sides(cell, between), share - done);
+                if (a[1] != b[1]) add_side(cell, from, to);
+            }
+            if (last) break;
             from = to;
             done = share;
             const std::size_t along = cell[k] == end[k] ? 1 - k : k;
             cell[along] += step[along];
             next[along] = leaves(along);
         }
+        if (has_mass) set_face_mass(entry, mean, area_in_space({b[1] - a[1], a[0] - b[0], 0}));
     }
 
     // Adds nodes of a part of a face. weight: of the normal's first component.
@@ -265,15 +283,21 @@ private:
     void add_rows() {
         const auto row_first = [](const Part& part) { return std::tuple(part.cell[1], part.cell[2], part.cell[0]); };
         std::ranges::sort(parts_, {}, row_first);
-        Cell cell{};  // the next of the row
-        Vector t{};   // the sums before it
+        Cell cell{};             // the next of the row
+        Vector t{};              // the sums before it
+        std::int64_t along = 0;  // its number in the domain
+        const std::int64_t count = frame_.axis(0).count;
+        std::size_t at = 0;  // of its value
         for (const Part& part : parts_) {
             if (&part == parts_.data() || part.cell[1] != cell[1] || part.cell[2] != cell[2]) {
                 cell = part.cell;
                 t = {};
+                along = modulo(cell[0], count);
+                at = frame_.index(cell);
             }
-            for (; cell[0] < part.cell[0]; ++cell[0]) {
-                const double density = value(cell), low = static_cast<double>(cell[0]) - place_.at[0];
+            for (; cell[0] < part.cell[0]; ++cell[0], ++along, at += row_step_) {
+                if (along == count) along = 0, at -= static_cast<std::size_t>(count) * row_step_;
+                const double density = values_[at], low = static_cast<double>(cell[0]) - place_.at[0];
                 t[0] += density;
                 t[1] += density * (low + 0.5);
                 t[2] += density * (low * low + low + 1.0 / 3);
@@ -290,8 +314,8 @@ private:
     // The volume of a tiny cell has more digits than the polyhedron of its rounded vertices.
     void finish(std::size_t seed) {
         double volume = std::ldexp(volume_ * size_.mantissa, size_.exponent);
-        if (!t_.volumes().empty()) {
-            const double stated = t_.volumes()[seed];
+        if (!volumes_.empty()) {
+            const double stated = volumes_[seed];
             if (!(volume > stated / 2 && volume < 2 * stated)) {
                 moments_ = {value_at_corner(), {}, {}};
                 volume_ = 1;
@@ -304,8 +328,7 @@ private:
         Vector center{};
         for (std::size_t k = 0; k < 3; ++k) center[k] = moments_.first[k] / moments_.mass;
         const Vector place = frame_.in_space(center);
-        for (std::size_t k = 0; k < dimensions_; ++k)
-            out_.centroids[dimensions_ * seed + k] = polygons_.first()[k] + place[k];
+        for (std::size_t k = 0; k < dimensions_; ++k) out_.centroids[dimensions_ * seed + k] = first_[k] + place[k];
         double second = 0;
         for (std::size_t n = 0; n < 6; ++n) {
             const auto [i, j] = factors[n];
@@ -319,15 +342,18 @@ private:
     const Tessellation& t_;
     const Frame& frame_;
     std::span<const double> values_;
+    const FlatCells* flat_;
     bool walls_;
     Masses& out_;
     CellPolygons polygons_;
     Slicer<ConvexPolygon> slicer_;
     Size size_;  // of a grid cell
     std::size_t dimensions_;
-    bool flat_;
-    std::array<Vector, 3> edges_{};  // of a grid cell, in space
+    std::span<const double> volumes_, areas_;  // as stated; may be empty
+    std::array<Vector, 3> edges_{};            // of a grid cell, in space
+    std::size_t row_step_ = 1;                 // in the array, from a grid cell to the next along the first axis
     Place place_;
+    Vector first_{};  // corner of the cell, in space
     ConvexPolygon face_;
     // The cell in the grid, relative to its first corner.
     double volume_ = 0;
@@ -370,8 +396,8 @@ std::vector<double> checked_values(const Density& density, bool planar, const st
     return values;
 }
 
-Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const double> values, ThreadPool& pool, bool flat,
-                 bool walls) {
+Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const double> values, ThreadPool& pool,
+                 bool walls, const FlatCells* flat) {
     Masses out;
     out.masses.resize(t.size());
     out.centroids.resize(t.size() * (t.planar() ? 2 : 3));
@@ -406,7 +432,7 @@ Masses masses(const Tessellation& t, const Density& density, unsigned threads) {
     if (EndlessSides(region_of(t)).any())
         refuse("cells that reach infinity have no mass, give a box with ends: set " + option("box"));
     ThreadPool pool(threads);
-    return fields::masses_in(t, fields::Frame(t, density.shape), values, pool, t.planar(), true);
+    return fields::masses_in(t, fields::Frame(t, density.shape), values, pool, true);
 }
 
 }  // namespace votess

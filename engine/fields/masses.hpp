@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/thread_pool.hpp"
+#include "fields/flat_cells.hpp"
 #include "fields/frame.hpp"
 #include "votess/density.hpp"
 
@@ -13,9 +14,9 @@ namespace votess::fields {
 // Returns a copy of the values. function: for messages.
 [[nodiscard]] std::vector<double> checked_values(const Density& density, bool planar, const std::string& function);
 
-// values: of the cells of the frame. t: with faces. flat: whether the cells are those of a plane or of its sheet.
-// walls: whether their faces have masses too; else 0.
+// values: of the cells of the frame. t: with faces, or with neighbors and `flat`, the cells of a sheet. walls: whether
+// their faces have masses too; else 0.
 [[nodiscard]] Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const double> values,
-                               ThreadPool& pool, bool flat, bool walls);
+                               ThreadPool& pool, bool walls, const FlatCells* flat = nullptr);
 
 }  // namespace votess::fields

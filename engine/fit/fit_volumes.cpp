@@ -250,8 +250,7 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
         std::optional<Under> density;
         if (options.density) {
             density = Under{fields::Frame(job, options.density->shape), std::move(values)};
-            const Masses of =
-                fields::masses_in(whole_domain(job), density->frame, density->values, pool, sheet.has_value(), false);
+            const Masses of = fields::masses_in(whole_domain(job), density->frame, density->values, pool, false);
             all = of.masses[0];
             if (!(all > 0)) refuse("the density is 0 in the whole domain: there is no mass to divide");
             mean = all / job.box_volume;

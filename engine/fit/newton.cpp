@@ -17,7 +17,8 @@ constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
 constexpr double dying = 1e-4, max_dying = 0.1;
-constexpr int max_revivals = 3;
+constexpr int max_revivals = 3, max_first_revivals = 40;
+constexpr double left_small = 0.25, first_left_small = 1;  // share of small cells after a revival; else it ends
 // In tight clusters the large cells move planes by more than the whole size of small ones, so steps of all cells are
 // short. Then only the smallest cells grow until none is below a share of its target. The second share holds if steps
 // are short again.
@@ -43,13 +44,18 @@ Newton::Newton(Problem problem, const FitOptions& options, VolumeFit& out)
     : problem_(std::move(problem)), options_(options), out_(out) {
     problem_.run.points = {problem_.points, {}};
     problem_.run.want = {};
-    problem_.run.want.areas = true;
-    (problem_.density ? problem_.run.want.faces : problem_.run.want.centroids) = true;
+    if (problem_.density && problem_.dimensions == 2) {
+        problem_.run.want.volumes = false;
+        problem_.run.list_walls = true;
+    } else {
+        problem_.run.want.areas = true;
+        (problem_.density ? problem_.run.want.faces : problem_.run.want.centroids) = true;
+    }
     problem_.run.precision = Precision::double_;
     problem_.run.follow = true;  // the last steps change weights a little
 }
 
-Weighted Newton::tessellate(Vector weights) {
+Weighted Newton::tessellate(Vector weights, Runner& runner) {
     const Timed timed(out_.seconds.tessellate);
     Weighted result;
     problem_.run.weights.given.assign(weights.begin(), weights.end());
@@ -58,13 +64,29 @@ Weighted Newton::tessellate(Vector weights) {
     const double all_digits = std::log(std::max(first_residual_, 2 * options_.tolerance) / options_.tolerance);
     const double done = 0.95 * std::clamp(digits / all_digits, 0.0, 1.0);
     problem_.run.progress = Stoppable::within({done, done});
-    result.tessellation = runner_(problem_.run);
+    result.tessellation = runner(problem_.run);
     result.weights = std::move(weights);
-    if (const auto& density = problem_.density)
-        result.masses = fields::masses_in(result.tessellation, density->frame, density->values, *problem_.pool,
-                                          problem_.dimensions == 2, false);
+    if (const auto& density = problem_.density) {
+        if (problem_.dimensions == 2)
+            result.flat.emplace(
+                result.tessellation, density->frame,
+                fields::FlatSeeds{problem_.places, problem_.run.weights.given, problem_.run.region.walls},
+                *problem_.pool);
+        result.masses = fields::masses_in(result.tessellation, density->frame, density->values, *problem_.pool, false,
+                                          result.flat ? &*result.flat : nullptr);
+    }
     measure(result);
     ++out_.tessellations;
+    return result;
+}
+
+// A runner that cannot repair the cells of its last call keeps few of the next ones, but a new one keeps all. Steps are
+// short in the end.
+Weighted Newton::tessellate(Vector weights) {
+    Weighted result = tessellate(std::move(weights), runner_);
+    const bool renew = !is_first_run_ && result.tessellation.stats().kept_cells == 0;
+    if (renew) runner_ = Runner();
+    is_first_run_ = renew;
     return result;
 }
 
@@ -72,7 +94,7 @@ void Newton::measure(Weighted& of) const {
     const auto as_vector = [](std::span<const double> numbers) {
         return Eigen::Map<const Vector>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
     };
-    of.volumes = as_vector(of.tessellation.volumes());
+    of.volumes = as_vector(of.even_volumes());
     if (problem_.density) of.volumes = (1 - lift_) * as_vector(of.masses.masses) + lift_ * of.volumes;
     of.residual = ((of.volumes - problem_.targets).array() / problem_.targets.array()).abs().maxCoeff();
 }
@@ -85,7 +107,7 @@ void Newton::sink() {
         const double kept = std::min(kept_mass * problem_.targets[i], now_.volumes[i]);
         const double mass = now_.masses.masses[cell];
         if (mass >= kept) continue;
-        const double even = now_.tessellation.volumes()[cell];
+        const double even = now_.even_volumes()[cell];
         least = std::max(least, (kept - mass) / (even - mass));
     }
     lift_ = std::min(lift_, least);
@@ -94,7 +116,7 @@ void Newton::sink() {
 
 // The areas of faces, or their masses.
 std::vector<double> Newton::areas() const {
-    const std::span<const double> given = now_.tessellation.face_areas();
+    const std::span<const double> given = now_.face_areas();
     std::vector<double> areas(given.begin(), given.end());
     if (!problem_.density) return areas;
     const double lift = std::max(lift_, least_lift * std::min(1.0, now_.residual));
@@ -104,15 +126,15 @@ std::vector<double> Newton::areas() const {
 
 Weighted Newton::trial(const Vector& step) {
     const Vector least = dying * now_.volumes.cwiseMin(problem_.targets);
-    return revived(tessellate(now_.weights + step), now_.tessellation, least);
+    return revived(tessellate(now_.weights + step), now_.tessellation, least, max_revivals, left_small);
 }
 
-Weighted Newton::revived(Weighted next, const Tessellation& before, const Vector& least) {
+Weighted Newton::revived(Weighted next, const Tessellation& before, const Vector& least, int attempts, double left) {
     Eigen::Index max_small = static_cast<Eigen::Index>(max_dying * static_cast<double>(least.size()));
-    for (int attempt = 0; attempt < max_revivals; ++attempt) {
+    for (int attempt = 0; attempt < attempts; ++attempt) {
         const Eigen::Index small = (next.volumes.array() < least.array()).count();
         if (small == 0 || small > max_small) break;
-        max_small = small / 4;
+        max_small = static_cast<Eigen::Index>(left * static_cast<double>(small));
         Vector weights = std::move(next.weights);
         const std::span<const double> centroids =
             problem_.density ? next.masses.centroids : next.tessellation.centroids();
@@ -186,9 +208,11 @@ bool Newton::advance() {
 bool Newton::run(Vector weights) {
     now_ = tessellate(std::move(weights));
     if (!(now_.volumes.minCoeff() > 0)) {
-        Weighted even = tessellate(problem_.start);
+        Runner other;  // runner_ keeps the cells of now_
+        Weighted even = tessellate(problem_.start, other);
         if (problem_.density) {
-            now_ = revived(std::move(now_), even.tessellation, dying * problem_.targets);
+            now_ = revived(std::move(now_), even.tessellation, dying * problem_.targets, max_first_revivals,
+                           first_left_small);
             const auto empty = static_cast<double>((now_.volumes.array() <= 0).count());
             if (empty > 0) lift_ = empty > max_dying * static_cast<double>(now_.volumes.size()) ? full_lift : some_lift;
             measure(now_);

@@ -34,9 +34,17 @@ struct Problem {
 
 struct Weighted {
     Vector weights, volumes;
-    Tessellation tessellation;  // with neighbors, areas, and centroids or faces
-    Masses masses;              // with a density
-    double residual = 0;        // largest |volume - target| / target
+    // With neighbors, volumes, areas, and centroids or faces. In the plane under a density with neighbors alone.
+    Tessellation tessellation;
+    Masses masses;                          // with a density
+    std::optional<fields::FlatCells> flat;  // with a density, in the plane
+    [[nodiscard]] std::span<const double> even_volumes() const {
+        return flat ? flat->volumes() : tessellation.volumes();
+    }
+    [[nodiscard]] std::span<const double> face_areas() const {
+        return flat ? flat->areas() : tessellation.face_areas();
+    }
+    double residual = 0;  // largest |volume - target| / target
 };
 
 // The steps. Each counts itself in `out`, and adds its seconds.
@@ -58,14 +66,18 @@ public:
     [[nodiscard]] const std::string& why() const { return why_; }
 
 private:
+    // Returns a diagram near the last one, or elsewhere.
     [[nodiscard]] Weighted tessellate(Vector weights);
+    [[nodiscard]] Weighted tessellate(Vector weights, Runner& runner);
     void measure(Weighted& of) const;  // at this lift
     void sink();                       // lowers the lift
     [[nodiscard]] std::vector<double> areas() const;
     // Returns the diagram after a step.
     [[nodiscard]] Weighted trial(const Vector& step);
-    // Returns a diagram with small cells revived as far as that is possible. before: with cells of all seeds.
-    [[nodiscard]] Weighted revived(Weighted next, const Tessellation& before, const Vector& least);
+    // Returns a diagram with small cells revived as far as that is possible. before: with cells of all seeds. Each
+    // attempt has to leave fewer of them than this share.
+    [[nodiscard]] Weighted revived(Weighted next, const Tessellation& before, const Vector& least, int attempts,
+                                   double left);
     [[nodiscard]] Vector goal() const;
     [[nodiscard]] Vector step_to(const Vector& goal);
     // Takes the longest step that empties no cell and comes nearer. Returns false if no step does.
@@ -78,6 +90,7 @@ private:
     const FitOptions& options_;
     VolumeFit& out_;
     Runner runner_;
+    bool is_first_run_ = true;  // of runner_
     Matrix matrix_;
     Weighted now_;
     double lift_ = 0;

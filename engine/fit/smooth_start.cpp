@@ -17,7 +17,7 @@ namespace {
 
 using Shape = std::array<std::size_t, 3>;
 
-constexpr double nodes_per_seed_and_axis = 2;
+constexpr std::array<double, 2> nodes_per_seed_and_axis{1, 2};  // in the plane, in space
 constexpr std::array<double, 2> min_nodes{64.0 * 64, 24.0 * 24 * 24}, max_nodes{256.0 * 256, 64.0 * 64 * 64};
 constexpr double max_along_axis = 512;
 constexpr double coarsest_steps = 16;  // along the longest axis
@@ -74,8 +74,8 @@ public:
             longest = std::max(longest, seeds_[k][1] - seeds_[k][0]);
         }
         const double d = static_cast<double>(dimensions_);
-        const double count = std::pow(nodes_per_seed_and_axis, d) * static_cast<double>(targets_.size());
         const std::size_t space = dimensions_ - 2;  // 0: the plane
+        const double count = std::pow(nodes_per_seed_and_axis[space], d) * static_cast<double>(targets_.size());
         const double finest = std::pow(size / std::clamp(count, min_nodes[space], max_nodes[space]), 1 / d);
         double step = finest;
         while (2 * step < longest / coarsest_steps) step *= 2;

@@ -147,6 +147,15 @@ class Exact(unittest.TestCase):
                         if other >= 0:
                             self.assertAlmostEqual(mass, float(faces[other]), delta=1e-14)
 
+    def test_fine_sum(self):
+        points, values = uniform(20)[:, :2], image((6, 8), 3)
+        weights = uniform(20)[:, 2] * 0.03
+        t = vt.tessellate(points, box=SQUARE, weights=weights, want="faces,volumes")
+        places = (np.mgrid[0:480, 0:480].reshape(2, -1).T + 0.5) / 480
+        owners = np.argmin(((places[:, None] - points) ** 2).sum(axis=2) - weights, axis=1)
+        sums = np.bincount(owners, values.repeat(80, axis=0).repeat(60, axis=1).ravel() / 480**2, minlength=20)
+        np.testing.assert_allclose(t.masses(values).masses, sums, atol=5e-5)
+
     def test_layers(self):
         """Faces between boxes of the grid have the mean of both sides."""
         t = vt.tessellate([(0.25, 0.5), (0.75, 0.5)], box=SQUARE, want="faces,volumes")
@@ -256,6 +265,33 @@ class Fits(unittest.TestCase):
                 for targets in (np.ones(300), np.exp(2 * uniform(300)[:, 2])):
                     fit = self.fitted(points, targets, values, box=SQUARE, periodic=periodic)
                     self.assertLessEqual(fit.steps, 25)
+
+    def test_domains_of_the_plane(self):
+        """The fit makes cells of their neighbors, masses() takes the polygons of rows. Both have equal masses."""
+        points, skew = uniform(80)[:, :2], np.array([(1, 0.3), (0.1, 0.8)])
+        values = image((7, 5), 2)
+        slanted = [(1, 1, 1.5), (-2, 1, 0.5)]
+        for p, domain in (
+            (points, {"box": SQUARE, "periodic": "x"}),
+            (points @ skew + 3, {"cell": skew, "origin": (3, 3), "periodic": True}),
+            (points @ skew[::-1], {"cell": skew[::-1]}),
+            (points @ skew, {"cell": skew, "periodic": "y"}),
+            (points * 0.4 + 0.2, {"box": SQUARE, "walls": slanted}),
+            (points * 3 - 1, {"box": SQUARE, "walls": slanted, "outside": "keep"}),
+            (points[:3], {"box": SQUARE, "periodic": True}),  # neighbors of themselves
+            (points * (1e-9, 1), {"box": (0, 0, 1e-9, 1)}),
+            (points * 1e100, {"box": (0, 0, 1e100, 1e100)}),
+        ):
+            with self.subTest(domain=domain):
+                self.fitted(p, np.exp(uniform(80)[: len(p), 2]), values, 1e-11, **domain)
+
+    def test_far_cells(self):
+        """Most cells of the image lie far from their seeds, and some seeds have no cell at the start."""
+        y, x = np.mgrid[0:128, 0:128] / 127
+        values = np.exp(-30 * ((x - 0.3) ** 2 + (y - 0.4) ** 2)) + np.exp(-60 * ((x - 0.7) ** 2 + (y - 0.7) ** 2))
+        values[values < 0.1] = 0
+        fit = self.fitted(np.random.default_rng(1).random((2000, 2)), np.ones(2000), values.T, box=SQUARE)
+        self.assertLessEqual(fit.steps, 12)
 
     def test_space(self):
         values = image((6, 5, 4), 7, 0.7)
