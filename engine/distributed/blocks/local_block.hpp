@@ -7,7 +7,7 @@
 //
 // The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
 // of others; complete() and finish(). A run that cannot hold all blocks at once keeps pending_cells() for
-// finish_pending(), and calls reply() with the seeds_near() requests.
+// finish_pending(), and makes each block again for reply().
 #pragma once
 
 #include <algorithm>
@@ -40,13 +40,6 @@ struct Requests {
     [[nodiscard]] std::size_t size() const { return cells.size(); }
     static auto parts(auto& some) { return std::tie(some.cells, some.reaches, some.neighbors); }
 };
-
-// Returns the seeds of a block that may cut a cell of the requests.
-Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
-                 std::span<const Requests> requests);
-// Returns seeds for each of the requests: they include the neighbors of its cells in the block. near: of seeds_near(),
-// ascending by id. whole: the run, with its box and without weights.
-std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<const Requests> requests);
 
 // Returns a distance beyond which no seed cuts a cell whose vertices lie within sqrt(square) of its seed. more: the
 // weight by which other seeds may be heavier.
@@ -109,19 +102,17 @@ struct FarCells;
 class VOTESS_API LocalBlock {
 public:
     // whole: the run, with its box and without weights, and with a callback for the progress of clip().
-    // own: ascending by id; the rows of finish() list their tags. Rows list walls if the run does. tiled: from another
-    // LocalBlock of the same seeds.
-    LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds> tiled = {});
+    // own: ascending by id; the rows of finish() list their tags. Rows list walls if the run does.
+    LocalBlock(const Settled& whole, Seeds own);
     ~LocalBlock();
 
-    [[nodiscard]] const TiledSeeds& tiled() const { return tiled_; }
     [[nodiscard]] const Outline& outline() const { return tiled_.outline; }
     [[nodiscard]] Seeds halo_for(const Outline& other) const;
     // outlines: of all blocks, this one's at `number`. halo: the seeds from the others.
     void clip(std::vector<Outline> outlines, std::size_t number, Seeds halo);
     // By block.
     [[nodiscard]] const std::vector<Requests>& requests() const { return requests_; }
-    // Returns a reply to each of the requests.
+    // Returns seeds for each of the requests: they include the neighbors of its cells in this block.
     [[nodiscard]] std::vector<Seeds> reply(std::span<const Requests> requests) const;
     // Finds the pending cells. domain: this block is a part of its of_blocks().
     void complete(const Seeds& replies, const BlockDomain& domain);
@@ -144,6 +135,8 @@ private:
     class Requester;
 
     void make_requests();
+    // Returns the own seeds that may cut a cell of the requests.
+    [[nodiscard]] Seeds seeds_near(std::span<const Requests> requests) const;
     [[nodiscard]] std::vector<Unknown> unknown_near(std::size_t tile, double reach) const;
     [[nodiscard]] double weight_of(std::size_t cell) const;
     [[nodiscard]] double longest_reach(double heaviest) const;

@@ -161,26 +161,26 @@ void LocalBlock::make_requests() {
     }
 }
 
-Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
-                 std::span<const Requests> requests) {
-    std::vector<bool> near(tiled.outline.tiles.size()), taken(seeds.size());
+Seeds LocalBlock::seeds_near(std::span<const Requests> requests) const {
+    std::vector<bool> near(tiled_.outline.tiles.size()), taken(count_);
     for (const Requests& some : requests)
         for (const Requests::Reach& reach : some.reaches)
-            tiled.outline.for_tiles(
+            tiled_.outline.for_tiles(
                 [&](const Box& box) {
-                    return nearness.is_near(box, {reach.place, reach.place}, reach.distance);
+                    return nearness_.is_near(box, {reach.place, reach.place}, reach.distance);
                 },
                 [&](std::size_t tile) { near[tile] = true; });
     for (std::size_t t = 0; t < near.size(); ++t)
-        for (std::size_t k = tiled.begin[t]; k < tiled.begin[t + 1] && near[t]; ++k) taken[tiled.order[k]] = true;
+        for (std::size_t k = tiled_.begin[t]; k < tiled_.begin[t + 1] && near[t]; ++k) taken[tiled_.order[k]] = true;
     Seeds found;
     for (std::size_t i = 0; i < taken.size(); ++i)
-        if (taken[i]) found.add(seeds, i);
+        if (taken[i]) found.add(all_.seeds, i);
     return found;
 }
 
-std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<const Requests> requests) {
+std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
     std::vector<Seeds> replies(requests.size());
+    const Seeds near = seeds_near(requests);
     Seeds cells, others = near;
     for (const Requests& some : requests) {
         cells.add(some.cells);
@@ -190,14 +190,14 @@ std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<cons
     cells = cells.sorted();
     Run run;
     run.seeds = with_others(cells, others);
-    Settled lists = whole;
+    Settled lists = whole_;
     lists.want = {};
     lists.want.volumes = false;
     run.clip(lists, cells.size());
 
     // By cell: indices of seeds.
     std::vector<std::vector<std::int32_t>> found(cells.size());
-    cpu::CellBuilder builder(run.clipper.seeds(), run.clipper.hierarchy(), *cpu::find_kernels(whole.instructions));
+    cpu::CellBuilder builder(run.clipper.seeds(), run.clipper.hierarchy(), *cpu::find_kernels(whole_.instructions));
     builder.begin_job(*run.job.domain);
     const auto& input = run.clipper.seeds().input;
     for (std::size_t s = 0; s < input.size(); ++s) {
@@ -222,10 +222,6 @@ std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<cons
         replies[r] = replies[r].sorted();
     }
     return replies;
-}
-
-std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
-    return blocks::reply(whole_, seeds_near(all_.seeds, tiled_, nearness_, requests), requests);
 }
 
 }  // namespace votess::blocks
