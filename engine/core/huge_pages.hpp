@@ -13,12 +13,12 @@ namespace votess {
 // Reserves room for `count` elements. Where that is much, huge pages save most of the time of the page faults.
 template <class T>
 void reserve_in_huge_pages(std::vector<T>& values, std::size_t count) {
-    constexpr std::size_t least = std::size_t{32} << 20;  // smaller blocks may share the heap with others
     values.reserve(count);
     const auto begin = reinterpret_cast<std::uintptr_t>(values.data());
     const std::uintptr_t first = round_up(begin, system::huge_page), end = begin + sizeof(T) * values.capacity();
-    if (sizeof(T) * count >= least && first < end)
-        system::prefer_huge_pages(reinterpret_cast<void*>(first), (end - first) / system::huge_page * system::huge_page);
+    if (first + system::huge_page <= end)
+        system::prefer_huge_pages(reinterpret_cast<void*>(first),
+                                  (end - first) / system::huge_page * system::huge_page);
 }
 
 template <class T>

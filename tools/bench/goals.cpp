@@ -214,7 +214,6 @@ int finish(const Goals& goals, const std::vector<PeerVersion>& versions, const S
     return scoreboard.complaints() > 0 || (goals.strict && scoreboard.met() < scoreboard.count()) ? 1 : 0;
 }
 
-
 }  // namespace
 
 int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVersion>& versions) {

@@ -7,7 +7,7 @@
 //
 // The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
 // of others; complete() and finish(). A run that cannot hold all blocks at once keeps pending_cells() for
-// finish_pending(), and makes each block again for reply().
+// finish_pending(), and the tiles of each block for reply().
 #pragma once
 
 #include <algorithm>
@@ -40,6 +40,24 @@ struct Requests {
     [[nodiscard]] std::size_t size() const { return cells.size(); }
     static auto parts(auto& some) { return std::tie(some.cells, some.reaches, some.neighbors); }
 };
+
+// Finds the seeds of a block that may cut a cell of the requests.
+class NearSeeds {
+public:
+    // job: of the run, which stays with the caller. outline: of the block.
+    NearSeeds(const Job& job, const Outline& outline, std::span<const Requests> requests);
+    // Adds those of the first `count` seeds that are near: seeds of the block, ascending by id from call to call.
+    void add(const Seeds& some, std::size_t count);
+    [[nodiscard]] const Seeds& found() const { return found_; }
+
+private:
+    const Job& job_;
+    Outline near_;  // the tiles with these seeds
+    Seeds found_;
+};
+// Returns seeds for each of the requests: they include the neighbors of its cells in the block. whole: the run, with
+// its box and without weights.
+std::vector<Seeds> reply(const Settled& whole, const NearSeeds& near, std::span<const Requests> requests);
 
 // Returns a distance beyond which no seed cuts a cell whose vertices lie within sqrt(square) of its seed. more: the
 // weight by which other seeds may be heavier.
@@ -112,7 +130,7 @@ public:
     void clip(std::vector<Outline> outlines, std::size_t number, Seeds halo);
     // By block.
     [[nodiscard]] const std::vector<Requests>& requests() const { return requests_; }
-    // Returns seeds for each of the requests: they include the neighbors of its cells in this block.
+    // Returns a reply to each of the requests.
     [[nodiscard]] std::vector<Seeds> reply(std::span<const Requests> requests) const;
     // Finds the pending cells. domain: this block is a part of its of_blocks().
     void complete(const Seeds& replies, const BlockDomain& domain);
@@ -135,8 +153,6 @@ private:
     class Requester;
 
     void make_requests();
-    // Returns the own seeds that may cut a cell of the requests.
-    [[nodiscard]] Seeds seeds_near(std::span<const Requests> requests) const;
     [[nodiscard]] std::vector<Unknown> unknown_near(std::size_t tile, double reach) const;
     [[nodiscard]] double weight_of(std::size_t cell) const;
     [[nodiscard]] double longest_reach(double heaviest) const;

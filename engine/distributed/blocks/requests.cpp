@@ -161,26 +161,35 @@ void LocalBlock::make_requests() {
     }
 }
 
-Seeds LocalBlock::seeds_near(std::span<const Requests> requests) const {
-    std::vector<bool> near(tiled_.outline.tiles.size()), taken(count_);
+NearSeeds::NearSeeds(const Job& job, const Outline& outline, std::span<const Requests> requests) : job_(job) {
+    const Nearness nearness(*job.domain);
+    std::vector<bool> is_near(outline.tiles.size());
     for (const Requests& some : requests)
         for (const Requests::Reach& reach : some.reaches)
-            tiled_.outline.for_tiles(
+            outline.for_tiles(
                 [&](const Box& box) {
-                    return nearness_.is_near(box, {reach.place, reach.place}, reach.distance);
+                    return nearness.is_near(box, {reach.place, reach.place}, reach.distance);
                 },
-                [&](std::size_t tile) { near[tile] = true; });
-    for (std::size_t t = 0; t < near.size(); ++t)
-        for (std::size_t k = tiled_.begin[t]; k < tiled_.begin[t + 1] && near[t]; ++k) taken[tiled_.order[k]] = true;
-    Seeds found;
-    for (std::size_t i = 0; i < taken.size(); ++i)
-        if (taken[i]) found.add(all_.seeds, i);
-    return found;
+                [&](std::size_t tile) { is_near[tile] = true; });
+    std::vector<Tile> tiles;
+    for (std::size_t t = 0; t < is_near.size(); ++t)
+        if (is_near[t]) tiles.push_back(outline.tiles[t]);
+    near_ = outline_of(std::move(tiles));
 }
 
-std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
+void NearSeeds::add(const Seeds& some, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto place = cpu::place_in(*job_.domain, point_of(some.points, i, job_.scale));
+        bool found = false;
+        near_.for_tiles([&](const Box& box) { return !found && place && distance_squared(place->at, box) == 0; },
+                        [&](std::size_t) { found = true; });
+        if (found) found_.add(some, i);
+    }
+}
+
+std::vector<Seeds> reply(const Settled& whole, const NearSeeds& near_seeds, std::span<const Requests> requests) {
     std::vector<Seeds> replies(requests.size());
-    const Seeds near = seeds_near(requests);
+    const Seeds& near = near_seeds.found();
     Seeds cells, others = near;
     for (const Requests& some : requests) {
         cells.add(some.cells);
@@ -190,14 +199,14 @@ std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
     cells = cells.sorted();
     Run run;
     run.seeds = with_others(cells, others);
-    Settled lists = whole_;
+    Settled lists = whole;
     lists.want = {};
     lists.want.volumes = false;
     run.clip(lists, cells.size());
 
     // By cell: indices of seeds.
     std::vector<std::vector<std::int32_t>> found(cells.size());
-    cpu::CellBuilder builder(run.clipper.seeds(), run.clipper.hierarchy(), *cpu::find_kernels(whole_.instructions));
+    cpu::CellBuilder builder(run.clipper.seeds(), run.clipper.hierarchy(), *cpu::find_kernels(whole.instructions));
     builder.begin_job(*run.job.domain);
     const auto& input = run.clipper.seeds().input;
     for (std::size_t s = 0; s < input.size(); ++s) {
@@ -222,6 +231,12 @@ std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
         replies[r] = replies[r].sorted();
     }
     return replies;
+}
+
+std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
+    NearSeeds near(job_, tiled_.outline, requests);
+    near.add(all_.seeds, count_);
+    return blocks::reply(whole_, near, requests);
 }
 
 }  // namespace votess::blocks

@@ -146,6 +146,25 @@ private:
         return seeds;
     }
 
+    // Calls task(seeds) for the seeds of a block, piece by piece.
+    template <class Task>
+    void for_seeds(std::size_t b, const Task& task) {
+        constexpr std::uint64_t at_once = 65536;
+        Spool &ids = spools_->ids[b], &points = spools_->points[b], &weights = spools_->weights[b];
+        for (Spool* spool : {&ids, &points, &weights}) spool->rewind();
+        Seeds some;
+        while (ids.remaining() > 0) {
+            const auto count = static_cast<std::size_t>(std::min(at_once, ids.remaining()));
+            some.ids.resize(count);
+            some.points.resize(3 * count);
+            some.weights.resize(weights.size() > 0 ? count : 0);
+            ids.read(std::span(some.ids));
+            points.read(std::span(some.points));
+            weights.read(std::span(some.weights));
+            task(some);
+        }
+    }
+
     [[nodiscard]] blocks::Outline outline_of(std::size_t b) {
         blocks_[b].tiles.rewind();
         return blocks::outline_of(blocks_[b].tiles.read_rest<blocks::Tile>());
@@ -225,6 +244,7 @@ private:
 
     void reply() {
         stages_.begin(&StageSeconds::fallback, 0.76, "finishing cells that reach other blocks");
+        const Job job = make_job(of_blocks());
         for (std::size_t b = 0; b < count_; ++b) {
             system::give_back_memory();
             stages_.at(b, count_);
@@ -235,7 +255,9 @@ private:
                 from.push_back(block);
                 read_message(message, all.emplace_back());
             });
-            const std::vector<Seeds> replies = blocks::LocalBlock(of_blocks(), seeds_of(b)).reply(all);
+            blocks::NearSeeds near(job, outline_of(b), all);
+            for_seeds(b, [&](const Seeds& some) { near.add(some, some.size()); });
+            const std::vector<Seeds> replies = blocks::reply(of_blocks(), near, all);
             for (std::size_t r = 0; r < all.size(); ++r) put(blocks_[from[r]].replies, b, to_message(replies[r]));
         }
     }
