@@ -42,6 +42,7 @@
 #include <new>
 #include <thread>
 
+#include "core/disk_space.hpp"
 #include "core/processors.hpp"
 
 namespace votess::system {
@@ -612,5 +613,19 @@ bool move_pages(void*, void*, std::size_t) {
 
 #endif
 #endif
+
+bool release_disk_space([[maybe_unused]] const File& file, [[maybe_unused]] std::uint64_t position,
+                        [[maybe_unused]] std::uint64_t bytes) {
+#ifdef FALLOC_FL_PUNCH_HOLE
+    const int descriptor = ::open(file.path().c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor < 0) return false;
+    const bool done = ::fallocate(descriptor, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(position),
+                                  static_cast<off_t>(bytes)) == 0;
+    ::close(descriptor);
+    return done;
+#else
+    return false;
+#endif
+}
 
 }  // namespace votess::system

@@ -41,9 +41,8 @@ std::optional<Place> Locator::place(const exact::Point& x, std::size_t number) c
     return place;
 }
 
-std::optional<Place> place_in(const Domain& domain, const exact::Point& x) {
+std::optional<Place> wrapped_into(const Domain& domain, const exact::Point& x) {
     Place place{x};
-    if (!domain.is_periodic()) return place;
     const auto move = [&](const exact::Shift& shift) {
         for (std::size_t j = 0; j < 3; ++j) place.shift[j] += shift[j];
         const auto moved = exact::differences({}, exact::Plane::bisector(x, place.shift, domain.lattice));

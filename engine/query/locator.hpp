@@ -19,7 +19,10 @@
 namespace votess::cpu {
 
 // Where a point lies after it has been wrapped. Nothing where that takes more than some 500 million periods.
-std::optional<Place> place_in(const Domain& domain, const exact::Point& x);
+std::optional<Place> wrapped_into(const Domain& domain, const exact::Point& x);
+inline std::optional<Place> place_in(const Domain& domain, const exact::Point& x) {
+    return domain.is_periodic() ? wrapped_into(domain, x) : Place{x};
+}
 
 // One per thread. The seeds and all that belongs to them stay with the caller.
 class Locator {

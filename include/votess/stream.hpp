@@ -85,7 +85,7 @@ struct StreamResult {
     Stats stats;
     std::uint64_t blocks = 0, largest_block = 0;  // number of blocks; seeds of the largest
     std::uint64_t asked_cells = 0;                // cells that other blocks completed
-    std::uint64_t temporary_bytes = 0;            // in all temporary files
+    std::uint64_t temporary_bytes = 0;            // of all temporary files at one time, at most
     // Set with StreamOptions::verify. A sum of 128 bits over all entries tests symmetry. It misses a fault with a
     // probability of about 2^-128, and its message does not name the seeds. The sample has as many cells as take about
     // a second, but at least 64 or all. Its size depends on the input, the number of blocks and the memory. Without

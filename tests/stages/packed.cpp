@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/disk_space.hpp"
 #include "distributed/stream/spool.hpp"
 #include "support/random.hpp"
 
@@ -91,7 +92,8 @@ TEST_CASE("packed: float64 takes the room of float32 where that holds it") {
 
 TEST_CASE("packed: files are read in steps of any length") {
     test::Random random(3);
-    votess::stream::TemporaryFile file("");
+    votess::stream::DiskUse use;
+    votess::stream::TemporaryFile file("", use);
     votess::stream::Spool ids(file), points(file), statuses(file);
     std::vector<std::int64_t> all_ids;
     std::vector<double> all_points;
@@ -110,7 +112,7 @@ TEST_CASE("packed: files are read in steps of any length") {
         all_statuses.insert(all_statuses.end(), some_statuses.begin(), some_statuses.end());
     }
     CHECK(ids.size() == all_ids.size());
-    CHECK(file.size() < 30 * all_ids.size());
+    CHECK(use.peak() < 30 * all_ids.size());
     const auto check = [&](votess::stream::Spool spool, const auto& all) {
         for (const std::size_t most : {50, 3000, 1'000'000}) {
             spool.rewind();
@@ -127,6 +129,51 @@ TEST_CASE("packed: files are read in steps of any length") {
     check(ids, all_ids);
     check(points, all_points);
     check(statuses, all_statuses);
+}
+
+TEST_CASE("packed: what has been read leaves the disk, and nothing else does") {
+    using votess::stream::Spool;
+    test::Random random(5);
+    votess::stream::DiskUse use;
+    {
+        votess::stream::TemporaryFile file("", use);
+        std::vector<Spool> spools(3, Spool(file));
+        std::vector<std::vector<double>> all(spools.size());
+        for (int piece = 0; piece < 60; ++piece)
+            for (std::size_t s = 0; s < spools.size(); ++s) {
+                std::vector<double> some(random.below(s == 2 ? 20 : 60'000));
+                for (double& x : some) x = random.uniform();
+                spools[s].append(std::span<const double>(some));
+                all[s].insert(all[s].end(), some.begin(), some.end());
+            }
+        const auto read = [&](std::size_t s) {
+            std::vector<double> back(all[s].size());
+            for (std::size_t at = 0; at < back.size();) {
+                const std::size_t count = std::min<std::size_t>(back.size() - at, random.below(100'000));
+                spools[s].read(std::span(back).subspan(at, count));
+                at += count;
+            }
+            CHECK(same(back, all[s]));
+        };
+        const std::uint64_t whole = use.now();
+        CHECK(whole > 8 * (all[0].size() + all[1].size()));
+        spools[0].release_as_read();
+        read(0);
+        const std::uint64_t half = use.now();
+        for (const std::size_t s : {1, 2}) read(s), spools[s].rewind();
+        CHECK(use.now() == half);
+        spools[1].release_as_read();
+        read(1);
+        read(2);
+        CHECK(use.peak() == whole);
+        // Each end of a piece may leave a page.
+        const auto file_of_one = votess::system::File::temporary(votess::system::temporary_folder());
+        if (votess::system::release_disk_space(file_of_one, 0, 4096)) {
+            CHECK(half < 0.7 * static_cast<double>(whole));
+            CHECK(use.now() < 0.3 * static_cast<double>(whole));
+        }
+    }
+    CHECK(use.now() == 0);
 }
 
 // Bytes are not changed on the way, but other versions may send others.

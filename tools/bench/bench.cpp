@@ -1,5 +1,5 @@
 // votess_bench: votess and its peers on the same points in the same run, in turns. Reports medians over the repeats.
-// --goals, --memory, --moving and --gpu-table measure other things.
+// --goals, --table, --memory, --moving and --gpu-table measure other things.
 #include "bench.hpp"
 
 #include <CLI/CLI.hpp>
@@ -38,7 +38,7 @@ Rows rows_from_pairs(std::size_t n, const std::vector<std::pair<std::int32_t, st
 
 namespace {
 
-enum class Mode { comparison, quick, sweep, goals, memory, moving, gpu_table };
+enum class Mode { comparison, quick, sweep, goals, table, memory, moving, gpu_table };
 
 struct Settings {
     Mode mode = Mode::comparison;
@@ -210,6 +210,7 @@ int run_goals(const Settings& s, const Peers& peers, const std::vector<PeerVersi
     goals.rng_seed = s.rng_seed;
     goals.json = s.json;
     goals.strict = s.strict;
+    goals.table = s.mode == Mode::table;
     goals.check = s.check;
     return run_goals(goals, peers, versions);
 }
@@ -228,7 +229,7 @@ int run(Settings s) {
         versions.push_back({peer->name(), peer->version()});
         std::printf("%s %s\n", versions.back().name.c_str(), versions.back().version.c_str());
     }
-    if (s.mode == Mode::goals) {
+    if (s.mode == Mode::goals || s.mode == Mode::table) {
         return run_goals(s, peers, versions);
     }
     s.complete();
@@ -308,6 +309,9 @@ int main(int argc, char** argv) try {
         mode("--goals", Mode::goals,
              "the speeds that votess sets out to reach, a line each; --n A,B tries it out with other numbers of "
              "seeds; some 5 minutes"),
+        mode("--table", Mode::table,
+             "votess beside Voro++, and other inputs beside plain ones: ratios of times a cell, and what they should "
+             "be; some 5 minutes"),
         mode("--memory", Mode::memory, "peak of resident memory a point, each program in a process of its own"),
         mode("--moving", Mode::moving,
              "time of a call that follows moving seeds over that of a fresh one, 1e5 seeds, several domains, one "
@@ -317,7 +321,7 @@ int main(int argc, char** argv) try {
              "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered, lattices, and one of each "
              "kind of domain; without "
              "--json into gpu-DEVICE-DATE.json in the current folder; exit 1 when a result is wrong")};
-    CLI::Option *goals = modes[2], *memory = modes[3], *moving = modes[4], *gpu_table = modes[5];
+    CLI::Option *goals = modes[2], *ratios = modes[3], *memory = modes[4], *moving = modes[5], *gpu_table = modes[6];
     for (CLI::Option* one : modes) {
         for (CLI::Option* other : modes) {
             one != other ? one->excludes(other) : nullptr;
@@ -327,7 +331,9 @@ int main(int argc, char** argv) try {
     kernels->needs(gpu_table);
     local_sizes->needs(gpu_table);
     numbers->needs(gpu_table);
-    goals->excludes(devices)->excludes(instructions);
+    for (CLI::Option* one : {goals, ratios}) {
+        one->excludes(devices)->excludes(instructions);
+    }
     memory->excludes(devices)->excludes(check);
     moving->excludes(devices)->excludes(check)->excludes(peers)->excludes(instructions);
     app.add_flag("--strict", s.strict, "--goals: exit 1 unless all are met")->needs(goals);

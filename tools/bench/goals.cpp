@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -164,6 +165,55 @@ Player add_uniform(Round& round, const Input& uniform) {
     return votess;
 }
 
+using MakeInput = std::function<Input(std::string_view, std::size_t)>;
+
+// Weights as solvers of transport have them, and sets whose cells lie far from their seeds.
+void play_other_inputs(const MakeInput& input, const Peers& peers, const Goals& goals, const Repeats& often,
+                       Scoreboard& scoreboard) {
+    const Input uniform = input("uniform", goals.small), periodic = input("periodic", goals.small);
+    Round round(peers);
+    const Player votess = round.add("votess", uniform, Want::neighbors),
+                 votess_periodic = round.add("votess", periodic, Want::neighbors);
+    const auto at_most = [&](double bound, const Player& divisor, const Input& other) {
+        round.at_most(bound, round.add("votess", other, Want::neighbors), divisor);
+    };
+    const Input waves[] = {input("wave-0.5", goals.small), input("wave-1", goals.small), input("wave-2", goals.small),
+                           input("wave-5", goals.small), input("transport", goals.small)};
+    const double bounds[] = {1.2, 1.25, 1.3, 2, 2};
+    for (std::size_t i = 0; i < std::size(waves); ++i) at_most(bounds[i], votess_periodic, waves[i]);
+    const Input hidden = input("hidden", goals.small), heavy = input("heavy", goals.small),
+                paraboloid = input("paraboloid", goals.small / 5), sheet = input("sheet", goals.small / 3);
+    at_most(2, round.add("votess", heavy, Want::neighbors), hidden);
+    at_most(5, votess, paraboloid);
+    at_most(1.5, votess, sheet);
+    scoreboard.play(round, often);
+}
+
+void play_table(const MakeInput& input, const Peers& peers, const Goals& goals, const Repeats& often,
+                const Repeats& seldom, Scoreboard& scoreboard) {
+    for (const std::size_t n : {goals.small, goals.large}) {
+        const bool small = n == goals.small;
+        const Input uniform = input("uniform", n), clustered = input("clustered", n);
+        Round round(peers);
+        const Player votess = round.add("votess", uniform, Want::neighbors),
+                     in_clusters = round.add("votess", clustered, Want::neighbors);
+        round.at_least(small ? 12 : 11, round.add("voro++", uniform, Want::neighbors), votess);
+        if (small) round.at_least(30, round.add("voro++", clustered, Want::neighbors), in_clusters);
+        round.at_most(1.15, in_clusters, votess);
+        scoreboard.play(round, small ? often : seldom);
+        if (small) scoreboard.play(duel(peers, 10, "voro++", uniform, Want::full), often);
+    }
+    play_other_inputs(input, peers, goals, often, scoreboard);
+}
+
+int finish(const Goals& goals, const std::vector<PeerVersion>& versions, const Scoreboard& scoreboard) {
+    std::printf("%d of %d goals met\n", scoreboard.met(), scoreboard.count());
+    if (!goals.json.empty()) {
+        write_json(goals.json, versions, scoreboard.sections());
+    }
+    return scoreboard.complaints() > 0 || (goals.strict && scoreboard.met() < scoreboard.count()) ? 1 : 0;
+}
+
 }  // namespace
 
 int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVersion>& versions) {
@@ -174,6 +224,10 @@ int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVers
         seldom.count = 3;
     }
     Scoreboard scoreboard(goals.check);
+    if (goals.table) {
+        play_table(input, peers, goals, often, seldom, scoreboard);
+        return finish(goals, versions, scoreboard);
+    }
     {
         const Input uniform = input("uniform", goals.small), lattice = input("lattice", goals.small),
                     bcc = input("bcc", goals.small);
@@ -204,27 +258,7 @@ int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVers
         round.at_most(1.3, votess_heavy, round.add("votess", fewer, Want::neighbors));
         scoreboard.play(round, often);
     }
-    {
-        // Weights as solvers of transport have them, and sets whose cells lie far from their seeds.
-        const Input uniform = input("uniform", goals.small), periodic = input("periodic", goals.small);
-        Round round(peers);
-        const Player votess = round.add("votess", uniform, Want::neighbors),
-                     votess_periodic = round.add("votess", periodic, Want::neighbors);
-        const auto at_most = [&](double bound, const Player& divisor, const Input& other) {
-            round.at_most(bound, round.add("votess", other, Want::neighbors), divisor);
-        };
-        const Input waves[] = {input("wave-0.5", goals.small), input("wave-1", goals.small),
-                               input("wave-2", goals.small), input("wave-5", goals.small),
-                               input("transport", goals.small)};
-        const double bounds[] = {1.2, 1.25, 1.3, 2, 2};
-        for (std::size_t i = 0; i < std::size(waves); ++i) at_most(bounds[i], votess_periodic, waves[i]);
-        const Input hidden = input("hidden", goals.small), heavy = input("heavy", goals.small),
-                    paraboloid = input("paraboloid", goals.small / 5), sheet = input("sheet", goals.small / 3);
-        at_most(2, round.add("votess", heavy, Want::neighbors), hidden);
-        at_most(5, votess, paraboloid);
-        at_most(1.5, votess, sheet);
-        scoreboard.play(round, often);
-    }
+    play_other_inputs(input, peers, goals, often, scoreboard);
     {
         const Input uniform = input("uniform", goals.large), clustered = input("clustered", goals.large);
         Round round(peers);
@@ -234,11 +268,7 @@ int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVers
         scoreboard.play(round, seldom);
         scoreboard.play(duel(peers, 7, "voro++", uniform, Want::full), seldom);
     }
-    std::printf("%d of %d goals met\n", scoreboard.met(), scoreboard.count());
-    if (!goals.json.empty()) {
-        write_json(goals.json, versions, scoreboard.sections());
-    }
-    return scoreboard.complaints() > 0 || (goals.strict && scoreboard.met() < scoreboard.count()) ? 1 : 0;
+    return finish(goals, versions, scoreboard);
 }
 
 }  // namespace bench

@@ -17,6 +17,7 @@ struct Goals {
     std::string file;                                // file:PATH, or empty
     Repeats repeats;                                 // count 0: 5, of large inputs 3
     std::uint64_t rng_seed = 1;
+    bool table = false;   // the table of the page on benchmarks instead: Voro++, and inputs beside plain ones
     std::string json;     // empty: none
     bool strict = false;  // a goal that is not met, or could not be measured, makes the exit code 1
     bool check = false;   // so do answers that disagree where they must not

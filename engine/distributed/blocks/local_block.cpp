@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/arithmetic.hpp"
 #include "core/errors.hpp"
+#include "core/huge_pages.hpp"
 #include "core/progress.hpp"
 #include "distributed/blocks/far_cells.hpp"
 #include "input/settle.hpp"
@@ -30,12 +30,12 @@ constexpr std::size_t task_seeds = 4096;
 
 // Returns the rank of each id. The ids ascend up to `middle`, and again from there.
 std::vector<std::int32_t> places_by_id(std::span<const std::int64_t> ids, std::size_t middle) {
-    std::vector<std::int32_t> order(ids.size()), places(ids.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::inplace_merge(order, order.begin() + static_cast<std::ptrdiff_t>(middle), {},
-                               [ids](std::int32_t i) { return ids[static_cast<std::size_t>(i)]; });
-    for (std::size_t k = 0; k < order.size(); ++k)
-        places[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
+    std::vector<std::int32_t> places;
+    resize_in_huge_pages(places, ids.size());
+    for (std::size_t k = 0, first = 0, second = middle; k < ids.size(); ++k) {
+        const bool is_first = first < middle && (second == ids.size() || ids[first] <= ids[second]);
+        places[is_first ? first++ : second++] = static_cast<std::int32_t>(k);
+    }
     return places;
 }
 
@@ -158,7 +158,7 @@ Run::Row Run::row_of(std::size_t cell) const {
     return {&of, begin, end - begin};
 }
 
-LocalBlock::LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds> tiled)
+LocalBlock::LocalBlock(const Settled& whole, Seeds own)
     : whole_(whole),
       count_(own.size()),
       job_(make_job(part_of(whole, own))),
@@ -167,7 +167,7 @@ LocalBlock::LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds
     all_.seeds = std::move(own);
     job_.points = {};
     ThreadPool& pool = all_.clipper.pool_of(whole.threads);
-    places_.resize(count_);
+    resize_in_huge_pages(places_, count_);
     pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
         for (std::size_t i = task * task_seeds; i < std::min(count_, (task + 1) * task_seeds); ++i) {
             const auto place = cpu::place_in(*job_.domain, point_of(all_.seeds.points, i, job_.scale));
@@ -177,7 +177,7 @@ LocalBlock::LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds
             places_[i] = place->at;
         }
     });
-    tiled_ = tiled ? std::move(*tiled) : tile_seeds(places_, job_.domain->weights, pool);
+    tiled_ = tile_seeds(places_, job_.domain->weights, pool);
 }
 
 LocalBlock::~LocalBlock() = default;
@@ -202,6 +202,7 @@ void LocalBlock::clip(std::vector<Outline> outlines, std::size_t number, Seeds h
     all_.seeds.add(halo.sorted());
     halo = {};
     all_.clip(whole_, count_);
+    reserve_in_huge_pages(positions_, all_.seeds.size());
     positions_.assign(all_.seeds.size(), -1);
     const auto& input = all_.clipper.seeds().input;
     for (std::size_t s = 0; s < input.size(); ++s)

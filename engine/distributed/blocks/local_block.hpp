@@ -7,7 +7,7 @@
 //
 // The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
 // of others; complete() and finish(). A run that cannot hold all blocks at once keeps pending_cells() for
-// finish_pending(), and calls reply() with the seeds_near() requests.
+// finish_pending(), and the tiles of each block for reply().
 #pragma once
 
 #include <algorithm>
@@ -41,12 +41,23 @@ struct Requests {
     static auto parts(auto& some) { return std::tie(some.cells, some.reaches, some.neighbors); }
 };
 
-// Returns the seeds of a block that may cut a cell of the requests.
-Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
-                 std::span<const Requests> requests);
-// Returns seeds for each of the requests: they include the neighbors of its cells in the block. near: of seeds_near(),
-// ascending by id. whole: the run, with its box and without weights.
-std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<const Requests> requests);
+// Finds the seeds of a block that may cut a cell of the requests.
+class NearSeeds {
+public:
+    // job: of the run, which stays with the caller. outline: of the block.
+    NearSeeds(const Job& job, const Outline& outline, std::span<const Requests> requests);
+    // Adds those of the first `count` seeds that are near: seeds of the block, ascending by id from call to call.
+    void add(const Seeds& some, std::size_t count);
+    [[nodiscard]] const Seeds& found() const { return found_; }
+
+private:
+    const Job& job_;
+    Outline near_;  // the tiles with these seeds
+    Seeds found_;
+};
+// Returns seeds for each of the requests: they include the neighbors of its cells in the block. whole: the run, with
+// its box and without weights.
+std::vector<Seeds> reply(const Settled& whole, const NearSeeds& near, std::span<const Requests> requests);
 
 // Returns a distance beyond which no seed cuts a cell whose vertices lie within sqrt(square) of its seed. more: the
 // weight by which other seeds may be heavier.
@@ -109,12 +120,10 @@ struct FarCells;
 class VOTESS_API LocalBlock {
 public:
     // whole: the run, with its box and without weights, and with a callback for the progress of clip().
-    // own: ascending by id; the rows of finish() list their tags. Rows list walls if the run does. tiled: from another
-    // LocalBlock of the same seeds.
-    LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds> tiled = {});
+    // own: ascending by id; the rows of finish() list their tags. Rows list walls if the run does.
+    LocalBlock(const Settled& whole, Seeds own);
     ~LocalBlock();
 
-    [[nodiscard]] const TiledSeeds& tiled() const { return tiled_; }
     [[nodiscard]] const Outline& outline() const { return tiled_.outline; }
     [[nodiscard]] Seeds halo_for(const Outline& other) const;
     // outlines: of all blocks, this one's at `number`. halo: the seeds from the others.

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+
+#include "core/arithmetic.hpp"
+#include "core/huge_pages.hpp"
 
 namespace votess::blocks {
 namespace {
 
-constexpr std::size_t max_tile_seeds = 512;
+constexpr std::size_t max_tile_seeds = 512, mean_cell_seeds = 420;
 constexpr double halo_spacings = 2.5;  // nearly all cells at a border have a smaller reach
 constexpr std::size_t max_images = 512;
 
@@ -23,9 +27,74 @@ Box wider(const Box& box, double by) {
     return moved({{box.lower[0] - 2 * by, box.lower[1] - 2 * by, box.lower[2] - 2 * by}, box.upper}, {by, by, by});
 }
 
+std::size_t longest_side(const Vector& sides) {
+    return static_cast<std::size_t>(std::ranges::max_element(sides) - sides.begin());
+}
+
+// Cells of equal size, in the order of Morton: halves of the longest side, then halves of these.
+class Grid {
+public:
+    // seeds: the number of places in the box.
+    Grid(const Box& box, std::size_t seeds) : lower_(box.lower) {
+        Vector side;
+        for (std::size_t k = 0; k < 3; ++k) side[k] = box.upper[k] - box.lower[k];
+        const Vector whole = side;
+        std::vector<std::size_t> axes;
+        std::array<std::size_t, 3> bits{};
+        while (seeds > mean_cell_seeds << axes.size()) {
+            const std::size_t axis = longest_side(side);
+            if (!(side[axis] > 0)) break;
+            side[axis] /= 2;
+            ++bits[axis];
+            axes.push_back(axis);
+        }
+        cells_ = std::size_t{1} << axes.size();
+        for (std::size_t k = 0; k < 3; ++k) {
+            part_[k].assign(std::size_t{1} << bits[k], 0);
+            scale_[k] = static_cast<double>(part_[k].size()) / whole[k];
+            if (!std::isfinite(scale_[k])) scale_[k] = 0;
+        }
+        std::array<std::size_t, 3> left = bits;
+        for (std::size_t level = 0; level < axes.size(); ++level) {
+            const std::size_t axis = axes[level], bit = --left[axis];
+            for (std::size_t i = 0; i < part_[axis].size(); ++i)
+                part_[axis][i] |= static_cast<std::uint32_t>((i >> bit & 1) << (axes.size() - 1 - level));
+        }
+    }
+
+    [[nodiscard]] std::size_t cells() const { return cells_; }
+    // Returns the number of the cell. Places that are equal are in one cell.
+    [[nodiscard]] std::uint32_t cell_of(const exact::Point& place) const {
+        std::uint32_t cell = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto i = static_cast<std::size_t>((place[k] - lower_[k]) * scale_[k]);
+            cell |= part_[k][std::min(i, part_[k].size() - 1)];
+        }
+        return cell;
+    }
+
+private:
+    exact::Point lower_;
+    Vector scale_{};
+    std::array<std::vector<std::uint32_t>, 3> part_;  // of a cell's number, by its place along the axis
+    std::size_t cells_ = 1;
+};
+
 // Splits seeds at about the median of the longest side until tiles are small enough.
 class Tiler {
 public:
+    Tiler(const std::vector<exact::Point>& places, std::span<const double> weights)
+        : places_(places), weights_(weights) {}
+
+    // Appends the tiles of some seeds and the numbers of seeds in them. Puts the seeds in their order.
+    void make_tiles(std::span<std::uint32_t> numbers, std::vector<Tile>& tiles, std::vector<std::size_t>& sizes) {
+        seeds_.clear();
+        for (const std::uint32_t i : numbers) seeds_.push_back({places_[i], i});
+        split({0, seeds_.size()}, tiles, sizes);
+        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = seeds_[k].number;
+    }
+
+private:
     struct Seed {
         exact::Point x;
         std::uint32_t number;
@@ -33,50 +102,27 @@ public:
     struct Range {
         std::size_t begin, end;
     };
-    struct Tiles {
-        std::vector<Tile> tiles;
-        std::vector<std::size_t> ends;
-    };
 
-    Tiler(const std::vector<exact::Point>& places, std::span<const double> weights) : weights_(weights) {
-        seeds_.reserve(places.size());
-        for (const exact::Point& x : places) seeds_.push_back({x, static_cast<std::uint32_t>(seeds_.size())});
-    }
-
-    // Splits the range until no part has more than max_seeds seeds. Adds the parts in order.
-    void split(Range range, std::size_t max_seeds, std::vector<Range>& out) {
-        const std::size_t middle = range.end - range.begin > max_seeds ? divide(range, box_of(range)) : range.begin;
-        if (middle == range.begin) return out.push_back(range);
-        split({range.begin, middle}, max_seeds, out);
-        split({middle, range.end}, max_seeds, out);
-    }
-
-    void make_tiles(Range range, Tiles& out) {
-        std::vector<Range> ranges;
-        split(range, max_tile_seeds, ranges);
-        for (const Range& of_tile : ranges) {
-            Tile tile{box_of(of_tile), 0, -infinity};
-            double volume = 1, dimensions = 0;
-            for (std::size_t k = 0; k < 3; ++k)
-                if (const double side = tile.box.upper[k] - tile.box.lower[k]; side > 0) volume *= side, ++dimensions;
-            if (dimensions > 0)
-                tile.width =
-                    halo_spacings * std::pow(volume / static_cast<double>(of_tile.end - of_tile.begin), 1 / dimensions);
-            for (std::size_t k = of_tile.begin; k < of_tile.end; ++k)
-                tile.largest_weight = std::max(tile.largest_weight, weights_.empty() ? 0 : weights_[seeds_[k].number]);
-            out.tiles.push_back(tile);
-            out.ends.push_back(of_tile.end);
+    void split(Range range, std::vector<Tile>& tiles, std::vector<std::size_t>& sizes) {
+        const std::size_t count = range.end - range.begin;
+        const Box box = box_of(range);
+        if (const std::size_t middle = count > max_tile_seeds ? divide(range, box) : range.begin;
+            middle > range.begin) {
+            split({range.begin, middle}, tiles, sizes);
+            split({middle, range.end}, tiles, sizes);
+            return;
         }
+        double volume = 1, dimensions = 0, largest = weights_.empty() ? 0 : -infinity;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (const double side = box.upper[k] - box.lower[k]; side > 0) volume *= side, ++dimensions;
+        for (std::size_t k = range.begin; k < range.end && !weights_.empty(); ++k)
+            largest = std::max(largest, weights_[seeds_[k].number]);
+        const double width =
+            dimensions > 0 ? halo_spacings * std::pow(volume / static_cast<double>(count), 1 / dimensions) : 0;
+        tiles.push_back({box, width, largest});
+        sizes.push_back(count);
     }
 
-    [[nodiscard]] std::vector<std::uint32_t> order() const {
-        std::vector<std::uint32_t> order;
-        order.reserve(seeds_.size());
-        for (const Seed& seed : seeds_) order.push_back(seed.number);
-        return order;
-    }
-
-private:
     [[nodiscard]] Box box_of(Range range) const {
         Box box = empty_box;
         for (std::size_t k = range.begin; k < range.end; ++k) include(box, seeds_[k].x);
@@ -86,9 +132,8 @@ private:
     // Returns where the second half begins, or the range's begin when all seeds are at one place. Seeds at one place
     // stay together, so that a halo has all or none of them.
     std::size_t divide(Range range, const Box& box) {
-        std::size_t axis = 0;
-        for (std::size_t k = 1; k < 3; ++k)
-            if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
+        const std::size_t axis =
+            longest_side({box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]});
         const auto at = [&](std::size_t k) { return seeds_.begin() + static_cast<std::ptrdiff_t>(k); };
         const auto before = [axis](const Seed& a, const Seed& b) {
             return a.x[axis] != b.x[axis] ? a.x[axis] < b.x[axis] : a.x < b.x;
@@ -109,8 +154,9 @@ private:
         return static_cast<std::size_t>(moved - seeds_.begin());
     }
 
-    std::vector<Seed> seeds_;
+    const std::vector<exact::Point>& places_;
     std::span<const double> weights_;
+    std::vector<Seed> seeds_;
 };
 
 Box boxes_around(const std::vector<Tile>& tiles, std::size_t node, std::size_t begin, std::size_t end,
@@ -124,22 +170,49 @@ Box boxes_around(const std::vector<Tile>& tiles, std::size_t node, std::size_t b
 
 }  // namespace
 
+// A grid makes tiles in a few passes. Cells with too many seeds are split.
 TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights, ThreadPool& pool) {
+    constexpr std::size_t task_seeds = 16384;
     TiledSeeds tiled;
     tiled.begin.assign(1, 0);
     tiled.outline = outline_of({});
-    if (places.empty()) return tiled;
-    Tiler tiler(places, weights);
-    std::vector<Tiler::Range> tasks;
-    tiler.split({0, places.size()}, std::max(max_tile_seeds, places.size() / (4 * std::size_t{pool.size()})), tasks);
-    std::vector<Tiler::Tiles> of_task(tasks.size());
-    pool.run(tasks.size(), [&](std::size_t k, unsigned) { tiler.make_tiles(tasks[k], of_task[k]); });
+    const std::size_t count = places.size();
+    if (count == 0) return tiled;
+    Box box = empty_box;
+    for (const exact::Point& place : places) include(box, place);
+    const Grid grid(box, count);
+    std::vector<std::uint32_t> cell_of;
+    resize_in_huge_pages(cell_of, count);
+    pool.run(ceil_div(count, task_seeds), [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * task_seeds; i < std::min(count, (task + 1) * task_seeds); ++i)
+            cell_of[i] = grid.cell_of(places[i]);
+    });
+    std::vector<std::size_t> ends(grid.cells() + 1);  // at first where the seeds of a cell begin
+    for (const std::uint32_t cell : cell_of) ++ends[cell + 1];
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    resize_in_huge_pages(tiled.order, count);
+    for (std::size_t i = 0; i < count; ++i) tiled.order[ends[cell_of[i]]++] = static_cast<std::uint32_t>(i);
+
+    struct Tiles {
+        std::vector<Tile> tiles;
+        std::vector<std::size_t> sizes;
+    };
+    const std::size_t task_cells = ceil_div(grid.cells(), 16 * std::size_t{pool.size()});
+    std::vector<Tiles> of_task(ceil_div(grid.cells(), task_cells));
+    pool.run(of_task.size(), [&](std::size_t task, unsigned) {
+        Tiler tiler(places, weights);
+        for (std::size_t c = task * task_cells; c < std::min(grid.cells(), (task + 1) * task_cells); ++c) {
+            const std::size_t begin = c == 0 ? 0 : ends[c - 1];
+            if (begin == ends[c]) continue;
+            tiler.make_tiles(std::span(tiled.order).subspan(begin, ends[c] - begin), of_task[task].tiles,
+                             of_task[task].sizes);
+        }
+    });
     std::vector<Tile> tiles;
-    for (const Tiler::Tiles& some : of_task) {
+    for (const Tiles& some : of_task) {
         tiles.insert(tiles.end(), some.tiles.begin(), some.tiles.end());
-        tiled.begin.insert(tiled.begin.end(), some.ends.begin(), some.ends.end());
+        for (const std::size_t size : some.sizes) tiled.begin.push_back(tiled.begin.back() + size);
     }
-    tiled.order = tiler.order();
     tiled.outline = outline_of(std::move(tiles));
     return tiled;
 }

@@ -161,26 +161,35 @@ void LocalBlock::make_requests() {
     }
 }
 
-Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
-                 std::span<const Requests> requests) {
-    std::vector<bool> near(tiled.outline.tiles.size()), taken(seeds.size());
+NearSeeds::NearSeeds(const Job& job, const Outline& outline, std::span<const Requests> requests) : job_(job) {
+    const Nearness nearness(*job.domain);
+    std::vector<bool> is_near(outline.tiles.size());
     for (const Requests& some : requests)
         for (const Requests::Reach& reach : some.reaches)
-            tiled.outline.for_tiles(
+            outline.for_tiles(
                 [&](const Box& box) {
                     return nearness.is_near(box, {reach.place, reach.place}, reach.distance);
                 },
-                [&](std::size_t tile) { near[tile] = true; });
-    for (std::size_t t = 0; t < near.size(); ++t)
-        for (std::size_t k = tiled.begin[t]; k < tiled.begin[t + 1] && near[t]; ++k) taken[tiled.order[k]] = true;
-    Seeds found;
-    for (std::size_t i = 0; i < taken.size(); ++i)
-        if (taken[i]) found.add(seeds, i);
-    return found;
+                [&](std::size_t tile) { is_near[tile] = true; });
+    std::vector<Tile> tiles;
+    for (std::size_t t = 0; t < is_near.size(); ++t)
+        if (is_near[t]) tiles.push_back(outline.tiles[t]);
+    near_ = outline_of(std::move(tiles));
 }
 
-std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<const Requests> requests) {
+void NearSeeds::add(const Seeds& some, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto place = cpu::place_in(*job_.domain, point_of(some.points, i, job_.scale));
+        bool found = false;
+        near_.for_tiles([&](const Box& box) { return !found && place && distance_squared(place->at, box) == 0; },
+                        [&](std::size_t) { found = true; });
+        if (found) found_.add(some, i);
+    }
+}
+
+std::vector<Seeds> reply(const Settled& whole, const NearSeeds& near_seeds, std::span<const Requests> requests) {
     std::vector<Seeds> replies(requests.size());
+    const Seeds& near = near_seeds.found();
     Seeds cells, others = near;
     for (const Requests& some : requests) {
         cells.add(some.cells);
@@ -225,7 +234,9 @@ std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<cons
 }
 
 std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
-    return blocks::reply(whole_, seeds_near(all_.seeds, tiled_, nearness_, requests), requests);
+    NearSeeds near(job_, tiled_.outline, requests);
+    near.add(all_.seeds, count_);
+    return blocks::reply(whole_, near, requests);
 }
 
 }  // namespace votess::blocks

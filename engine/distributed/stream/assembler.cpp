@@ -100,6 +100,11 @@ StreamRows Assembler::next(std::size_t max_cells) {
                 std::fill_n(reinterpret_cast<double*>(bytes.data()), bytes.size() / sizeof(double),
                             std::numeric_limits<double>::quiet_NaN());
             for_parts([&](Part& part) { take_cells(part, number); });
+            if (const std::uint32_t of_faces = Layout::of_faces(number); of_faces > 0) {
+                const auto faces = as<std::uint32_t>(detail::number_of("face_counts"));
+                auto* const lacking = reinterpret_cast<std::uint32_t*>(bytes.data());
+                for (std::size_t i = 0; i < count; ++i) lacking[i] = of_faces * faces[i] - lacking[i];
+            }
         }
         out = as<Element>(number);
     });

@@ -67,8 +67,8 @@ private:
 
 }  // namespace
 
-Intake::Intake(StreamSource& source, const Settled& whole, bool hull, const std::string& folder, std::uint64_t memory,
-               Stages& stages)
+Intake::Intake(StreamSource& source, const Settled& whole, bool hull, const std::string& folder, DiskUse& use,
+               std::uint64_t memory, Stages& stages)
     : source_(source),
       region_(whole.region.planar ? in_sheet(whole.region, 1) : whole.region),
       planar_(whole.region.planar),
@@ -79,7 +79,7 @@ Intake::Intake(StreamSource& source, const Settled& whole, bool hull, const std:
       bounds_(empty_box) {
     if (hull) hull_.emplace(whole.region);
     if (source_.restart()) return;
-    file_.emplace(folder);
+    file_.emplace(folder, use);
     copied_points_.emplace(*file_);
     copied_weights_.emplace(*file_);
 }
@@ -88,8 +88,7 @@ template <class Task>
 void Intake::read(const Task& task) {
     std::uint64_t first = 0;
     if (scanned_ && copied_points_) {
-        copied_points_->rewind();
-        copied_weights_->rewind();
+        for (Spool* copied : {&*copied_points_, &*copied_weights_}) copied->release_as_read();
         std::vector<double> points, weights;
         while (copied_points_->remaining() > 0) {
             const auto count =
@@ -245,6 +244,7 @@ Intake::BlockSpools Intake::distribute(const Settled& of_blocks, std::size_t blo
         stages_.at(first + count, seeds_);
     });
     writer.end();
+    file_.reset();
     return spools;
 }
 

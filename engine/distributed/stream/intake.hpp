@@ -18,8 +18,8 @@ class Intake {
 public:
     // Seeds that come only once are copied into a temporary file in the folder.
     // hull: the domain is that of the points.
-    Intake(StreamSource& source, const Settled& whole, bool hull, const std::string& folder, std::uint64_t memory,
-           Stages& stages);
+    Intake(StreamSource& source, const Settled& whole, bool hull, const std::string& folder, DiskUse& use,
+           std::uint64_t memory, Stages& stages);
 
     // The first reading. Checks the points as far as that needs no box.
     void scan();
@@ -30,8 +30,6 @@ public:
     [[nodiscard]] const Box& bounds() const { return bounds_; }
     // Returns the walls of the hull. Throws when it has no interior.
     [[nodiscard]] std::vector<Wall> hull_walls() { return hull_->walls(seeds_); }
-    // Returns the size of the temporary file.
-    [[nodiscard]] std::uint64_t bytes() const { return file_ ? file_->size() : 0; }
 
     struct BlockSpools {
         std::vector<Spool> ids, points, weights;  // by block: an int64, three float64 and one for each seed

@@ -55,13 +55,13 @@ std::size_t blocks_for(std::uint64_t memory, std::uint64_t seeds, const Kind& ki
 
 std::uint64_t bytes_on_disk(std::uint64_t seeds, std::size_t blocks, const Kind& kind) {
     const double all = static_cast<double>(seeds), count = static_cast<double>(blocks);
-    const double of_id = count < 100 ? 1.3 : 2, of_tiles = 3;
+    const double of_id = count < 100 ? 1.3 : 2, of_tiles = 0.5;
     const double of_seed = of_id + (kind.singles ? 12 : 24) + (kind.weighted ? 8 : 0);
     const double of_row = kind.want.neighbors ? 1 + entries * (4 + (kind.periodic ? 3 : 0)) + values(kind.want) : 0;
     // Counts take a byte each, and statuses nearly nothing.
     Want measured = kind.want;
     measured.counts = false;
-    const double of_cell = 0.1 + measures(measured) + (kind.want.counts ? 3 : 0);
+    const double of_cell = 0.1 + measures(measured) + (kind.want.counts ? 1 : 0);
     return static_cast<std::uint64_t>(with_halo(all / count) * count * of_seed + all * (of_tiles + of_row + of_cell));
 }
 

@@ -64,14 +64,26 @@ void RowStore::add(blocks::Run& run, std::size_t count, std::span<const std::uin
     if (layout_.rows()) add_rows(run, count, skipped);
     for_row_arrays([&](const auto& array, std::size_t number) {
         const auto& values = array.of(result);
-        if (array.per == Per::cell && layout_.bytes(number) > 0)
-            of(number).append(std::span(values.data(), values.size()));
+        if (array.per != Per::cell || layout_.bytes(number) == 0) return;
+        const std::uint32_t of_faces = Layout::of_faces(number);
+        if (of_faces == 0) return of(number).append(std::span(values.data(), values.size()));
+        std::vector<std::uint32_t> lacking(values.size());
+        for (std::size_t i = 0; i < lacking.size(); ++i)
+            lacking[i] = of_faces * result.face_counts[i] - static_cast<std::uint32_t>(values[i]);
+        of(number).append(std::span<const std::uint32_t>(lacking));
     });
     std::vector<Duplicate> duplicates;
     for (std::size_t i = 0; i < result.duplicate_of.size(); ++i)
         if (const std::int32_t of = result.duplicate_of[i]; of >= 0)
             duplicates.push_back({run.seeds.ids[i], run.seeds.ids[static_cast<std::size_t>(of)]});
     duplicates_.append(std::span<const Duplicate>(duplicates));
+}
+
+void RowStore::release_as_read(bool verify) {
+    for (Spool* spool : {&duplicates_, &lengths_}) spool->release_as_read();
+    for (std::size_t k = 0; k < arrays_.size(); ++k)
+        if (!verify || k != Layout::status) arrays_[k].release_as_read();
+    if (!verify) ids_.release_as_read();
 }
 
 struct RowStore::Piece {

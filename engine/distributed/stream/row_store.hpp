@@ -29,6 +29,12 @@ struct Layout {
         return sum;
     }
 
+    // Edges and vertices are stored as what they lack of 3 and 2 for each face, which is nearly always the same.
+    // Returns 0 for other arrays.
+    [[nodiscard]] static constexpr std::uint32_t of_faces(std::size_t array) {
+        return array == detail::number_of("edge_counts") ? 3 : array == detail::number_of("vertex_counts") ? 2 : 0;
+    }
+
     static constexpr std::size_t indices = detail::number_of("indices"), status = detail::number_of("status");
 
 private:
@@ -47,6 +53,9 @@ public:
 
     // Adds the first `count` cells of the run. skipped: ascending; these get no row here, a later store has them.
     void add(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped);
+
+    // What has been read leaves the disk. verify: ids and statuses are read again.
+    void release_as_read(bool verify);
 
     [[nodiscard]] std::uint64_t entries() const { return entries_; }
     [[nodiscard]] bool has_duplicates() const { return duplicates_.size() > 0; }

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/arithmetic.hpp"
+#include "core/disk_space.hpp"
 #include "core/errors.hpp"
 #include "votess/votess.hpp"
 
@@ -30,8 +32,8 @@ std::uint64_t free_bytes(const std::string& folder) {
     return space.available;
 }
 
-TemporaryFile::TemporaryFile(const std::string& folder)
-    : file_(system::File::temporary(system::path_of(temporary_folder(folder)))) {
+TemporaryFile::TemporaryFile(const std::string& folder, DiskUse& use)
+    : file_(system::File::temporary(system::path_of(temporary_folder(folder)))), use_(use) {
     if (!file_.is_open()) fail("it cannot be made in '" + temporary_folder(folder) + "'");
 }
 
@@ -44,6 +46,8 @@ std::uint64_t TemporaryFile::append(std::span<const std::byte> bytes) {
         size_ += static_cast<std::uint64_t>(done);
         bytes = bytes.subspan(static_cast<std::size_t>(done));
     }
+    on_disk_ += size_ - begin;
+    use_.add(size_ - begin);
     return begin;
 }
 
@@ -55,6 +59,15 @@ void TemporaryFile::read(std::uint64_t at, std::span<std::byte> to) const {
         at += static_cast<std::uint64_t>(done);
         to = to.subspan(static_cast<std::size_t>(done));
     }
+}
+
+void TemporaryFile::release(std::uint64_t begin, std::uint64_t end) {
+    constexpr std::uint64_t page = 4096;  // others may need the rest of the first and of the last one
+    begin = round_up(begin, page);
+    end = end / page * page;
+    if (begin >= end || !system::release_disk_space(file_, begin, end - begin)) return;
+    on_disk_ -= end - begin;
+    use_.subtract(end - begin);
 }
 
 void Spool::append_bytes(std::span<const std::byte> bytes) {
@@ -83,6 +96,19 @@ Spool::Place Spool::read_bytes(Place at, std::span<std::byte> to) const {
         to = to.subspan(size);
     }
     return at;
+}
+
+// Calls are slow, so many bytes leave at once.
+void Spool::release() {
+    constexpr std::uint64_t at_once = std::uint64_t{4} << 20;
+    for (; released_.extent < at_.extent; ++released_.extent, released_.within = 0) {
+        const Extent& extent = extents_[released_.extent];
+        file_->release(extent.at + released_.within, extent.at + extent.size);
+    }
+    if (at_.within - released_.within < at_once) return;
+    const std::uint64_t begin = extents_[at_.extent].at;
+    file_->release(begin + released_.within, begin + at_.within);
+    released_ = at_;
 }
 
 void Spool::next_piece() {
@@ -114,6 +140,7 @@ void Spool::read_values(std::span<std::byte> to) {
         }
         read_ += before - unpacker_.values();
     }
+    if (releases_) release();
 }
 
 }  // namespace votess::stream

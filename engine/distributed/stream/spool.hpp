@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -15,23 +16,40 @@
 
 namespace votess::stream {
 
+// The bytes of several files on the disk. They grow on one thread.
+class DiskUse {
+public:
+    void add(std::uint64_t bytes) { peak_ = std::max(peak_, now_ += bytes); }
+    void subtract(std::uint64_t bytes) { now_ -= bytes; }
+    [[nodiscard]] std::uint64_t now() const { return now_; }
+    [[nodiscard]] std::uint64_t peak() const { return peak_; }
+
+private:
+    std::atomic<std::uint64_t> now_ = 0;
+    std::uint64_t peak_ = 0;
+};
+
 // A file that only grows. It has no name, so it ends with the process. Throws Error(storage).
 class TemporaryFile {
 public:
-    // folder: see temporary_folder().
-    explicit TemporaryFile(const std::string& folder);
+    // folder: see temporary_folder(). use: outlives the file.
+    TemporaryFile(const std::string& folder, DiskUse& use);
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
+    ~TemporaryFile() { use_.subtract(on_disk_); }
 
     // Returns the position of the bytes.
     std::uint64_t append(std::span<const std::byte> bytes);
-    // May be called from any thread.
+    // These may be called from any thread. release() returns the disk space of bytes that are not needed any more, as
+    // far as the system can.
     void read(std::uint64_t at, std::span<std::byte> to) const;
-    [[nodiscard]] std::uint64_t size() const { return size_; }
+    void release(std::uint64_t begin, std::uint64_t end);
 
 private:
     system::File file_;
+    DiskUse& use_;
     std::uint64_t size_ = 0;
+    std::atomic<std::uint64_t> on_disk_ = 0;
 };
 
 // Returns the folder, or system::temporary_folder() for "".
@@ -44,6 +62,9 @@ private:
 class Spool {
 public:
     explicit Spool(TemporaryFile& file) : file_(&file) {}
+
+    // From now on, what has been read leaves the disk.
+    void release_as_read() { releases_ = true; }
 
     // Appends a piece or more; bytes are one piece.
     template <class T>
@@ -99,6 +120,7 @@ private:
     void append_bytes(std::span<const std::byte> bytes);
     void read_values(std::span<std::byte> to);
     void next_piece();
+    void release();
     // Reads the bytes at a place. Returns the place behind them.
     Place read_bytes(Place at, std::span<std::byte> to) const;
     [[nodiscard]] Place after(Place at, std::uint64_t bytes) const;
@@ -106,7 +128,8 @@ private:
     TemporaryFile* file_;
     std::vector<Extent> extents_;
     std::uint64_t size_ = 0, read_ = 0;
-    Place at_;
+    Place at_, released_;  // released_: the first byte that has not left the disk
+    bool releases_ = false;
     Unpacker unpacker_;  // of the current piece
 };
 

@@ -2,10 +2,10 @@
 // cells, and in part to reply to other blocks. Then rows are joined in input order.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "core/errors.hpp"
+#include "core/huge_pages.hpp"
 #include "core/system.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "distributed/blocks/messages.hpp"
@@ -54,7 +54,7 @@ public:
           given_(given),
           stream_(stream),
           stages_(given),
-          intake_(source, given, stream.hull, stream.temporary, stream.memory, stages_) {}
+          intake_(source, given, stream.hull, stream.temporary, use_, stream.memory, stages_) {}
 
     StreamResult operator()() {
         stages_.begin(&StageSeconds::upload, 0.04, "reading the seeds");
@@ -71,6 +71,7 @@ public:
         result_.options = options_of(domain_->whole());
         result_.options.progress = given_.progress;
         result_.stats.seconds = stages_.seconds();
+        result_.temporary_bytes = use_.peak();
         return std::move(result_);
     }
 
@@ -79,14 +80,15 @@ private:
     struct Block {
         Block(TemporaryFile& seeds, const Layout& layout, TemporaryFile& file, TemporaryFile& ids, Spool own)
             : tiles(seeds),
-              tile_of(seeds),
               halos(seeds),
               requests(seeds),
               pending(seeds),
               replies(seeds),
               rows(layout, file, std::move(own)),
-              pending_rows(layout, file, Spool(ids)) {}
-        Spool tiles, tile_of, halos, requests, pending, replies;
+              pending_rows(layout, file, Spool(ids)) {
+            for (Spool* read_once : {&halos, &requests, &pending, &replies}) read_once->release_as_read();
+        }
+        Spool tiles, halos, requests, pending, replies;
         std::size_t halo_seeds = 0;
         RowStore rows, pending_rows;
     };
@@ -117,7 +119,7 @@ private:
         stages_.begin(
             &StageSeconds::upload, 0.1,
             "distributing " + std::to_string(intake_.seeds()) + " seeds to " + std::to_string(count_) + " blocks");
-        for (auto* file : {&ids_, &seeds_, &rows_}) file->emplace(stream_.temporary);
+        for (auto* file : {&ids_, &seeds_, &rows_}) file->emplace(stream_.temporary, use_);
         spools_.emplace(intake_.distribute(of_blocks(), count_, *ids_, *seeds_));
         result_.stats.box_volume = domain_->volume(spools_->inside);
         for (std::size_t b = 0; b < count_; ++b) {
@@ -133,7 +135,7 @@ private:
         const auto all = [more](Spool& spool, std::size_t each, auto& to) {
             if (spool.size() == 0) return;
             spool.rewind();
-            to.reserve(static_cast<std::size_t>(spool.size()) + each * more);
+            reserve_in_huge_pages(to, static_cast<std::size_t>(spool.size()) + each * more);
             to.resize(static_cast<std::size_t>(spool.size()));
             spool.read(std::span(to));
         };
@@ -144,30 +146,28 @@ private:
         return seeds;
     }
 
-    // Stores the tile of each seed. The order of the seeds within a tile does not matter.
-    void put_tiles(std::size_t b, const blocks::TiledSeeds& tiled) {
-        std::vector<std::uint32_t> tile_of(tiled.order.size());
-        for (std::size_t t = 0; t + 1 < tiled.begin.size(); ++t)
-            for (std::size_t k = tiled.begin[t]; k < tiled.begin[t + 1]; ++k)
-                tile_of[tiled.order[k]] = static_cast<std::uint32_t>(t);
-        blocks_[b].tiles.append(std::span<const blocks::Tile>(tiled.outline.tiles));
-        blocks_[b].tile_of.append(std::span<const std::uint32_t>(tile_of));
+    // Calls task(seeds) for the seeds of a block, piece by piece.
+    template <class Task>
+    void for_seeds(std::size_t b, const Task& task) {
+        constexpr std::uint64_t at_once = 65536;
+        Spool &ids = spools_->ids[b], &points = spools_->points[b], &weights = spools_->weights[b];
+        for (Spool* spool : {&ids, &points, &weights}) spool->rewind();
+        Seeds some;
+        while (ids.remaining() > 0) {
+            const auto count = static_cast<std::size_t>(std::min(at_once, ids.remaining()));
+            some.ids.resize(count);
+            some.points.resize(3 * count);
+            some.weights.resize(weights.size() > 0 ? count : 0);
+            ids.read(std::span(some.ids));
+            points.read(std::span(some.points));
+            weights.read(std::span(some.weights));
+            task(some);
+        }
     }
+
     [[nodiscard]] blocks::Outline outline_of(std::size_t b) {
         blocks_[b].tiles.rewind();
         return blocks::outline_of(blocks_[b].tiles.read_rest<blocks::Tile>());
-    }
-    [[nodiscard]] blocks::TiledSeeds tiles_of(std::size_t b) {
-        blocks::TiledSeeds tiled{outline_of(b), {}, {}};
-        blocks_[b].tile_of.rewind();
-        const auto tile_of = blocks_[b].tile_of.read_rest<std::uint32_t>();
-        std::vector<std::size_t> next(tiled.outline.tiles.size() + 1);
-        for (const std::uint32_t t : tile_of) ++next[t + 1];
-        std::partial_sum(next.begin(), next.end(), next.begin());
-        tiled.begin = next;
-        tiled.order.resize(tile_of.size());
-        for (std::uint32_t i = 0; i < tile_of.size(); ++i) tiled.order[next[tile_of[i]]++] = i;
-        return tiled;
     }
 
     void make_halos() {
@@ -177,7 +177,7 @@ private:
             system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
             const blocks::LocalBlock block(of_blocks(), seeds_of(b));
-            put_tiles(b, block.tiled());
+            blocks_[b].tiles.append(std::span(block.outline().tiles));
             for (std::size_t to = 0; to < count_; ++to) {
                 if (to == b) continue;
                 const Seeds halo = block.halo_for(outlines_[to]);
@@ -195,7 +195,7 @@ private:
             stages_.log("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
             Settled part = of_blocks();
             part.progress = stages_.within(b, count_);
-            blocks::LocalBlock block(part, seeds_of(b, blocks_[b].halo_seeds), tiles_of(b));
+            blocks::LocalBlock block(part, seeds_of(b, blocks_[b].halo_seeds));
             std::vector<blocks::Outline> others = outlines_;
             Seeds halo;
             for_messages(blocks_[b].halos, [&](std::size_t from, const Message& message) {
@@ -242,9 +242,9 @@ private:
         stats.threads = some.threads;
     }
 
-    // Only the seeds that may cut a cell of the requests are in memory.
     void reply() {
         stages_.begin(&StageSeconds::fallback, 0.76, "finishing cells that reach other blocks");
+        const Job job = make_job(of_blocks());
         for (std::size_t b = 0; b < count_; ++b) {
             system::give_back_memory();
             stages_.at(b, count_);
@@ -255,8 +255,8 @@ private:
                 from.push_back(block);
                 read_message(message, all.emplace_back());
             });
-            const Job job = make_job(of_blocks());
-            const Seeds near = blocks::seeds_near(seeds_of(b), tiles_of(b), blocks::Nearness(*job.domain), all);
+            blocks::NearSeeds near(job, outline_of(b), all);
+            for_seeds(b, [&](const Seeds& some) { near.add(some, some.size()); });
             const std::vector<Seeds> replies = blocks::reply(of_blocks(), near, all);
             for (std::size_t r = 0; r < all.size(); ++r) put(blocks_[from[r]].replies, b, to_message(replies[r]));
         }
@@ -283,7 +283,6 @@ private:
             });
         }
         find_far();
-        result_.temporary_bytes = ids_->size() + seeds_->size() + rows_->size() + intake_.bytes();
         if (!stream_.verify) {
             spools_.reset();
             seeds_.reset();
@@ -319,7 +318,8 @@ private:
             stores[1].push_back(&block.pending_rows);
         }
         for (const auto& group : stores)
-            for (const RowStore* store : group) {
+            for (RowStore* store : group) {
+                store->release_as_read(stream_.verify);
                 head.entries += store->entries();
                 head.duplicates |= store->has_duplicates();
             }
@@ -390,6 +390,7 @@ private:
     const Settled& given_;
     const StreamOptions& stream_;
     Stages stages_;
+    DiskUse use_;
     Intake intake_;
     std::optional<BlockDomain> domain_;
     std::size_t count_ = 1;

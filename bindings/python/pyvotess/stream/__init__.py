@@ -65,7 +65,7 @@ class StreamResult:
     blocks: int
     largest_block: int  #: seeds of the largest block
     asked_cells: int  #: cells completed by other blocks
-    temporary_bytes: int  #: in all temporary files
+    temporary_bytes: int  #: of all temporary files at one time, at most
     verified: Optional[VerifyReport] = None  #: with ``verify=True``
 
 
