@@ -8,7 +8,8 @@
 # Versions: Altair 6.3.0, vl-convert-python 1.9.0, GeoPandas 1.2.0, pyogrio 0.13.0, Shapely 2.2.0
 # Seen: 2026-11
 # Do: shapely.orient_polygons(cells, exterior_cw=True) before the chart, or project(type="identity", reflectY=True).
-# Source: RFC 7946, section 3.1.6 (exterior rings are counterclockwise). Vega-Altair manual, "Geoshape", on the winding order.
+# Source: RFC 7946, section 3.1.6 (exterior rings are counterclockwise). Manual of d3-geo, which Vega draws by: it
+#   wants the opposite order.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -8,8 +8,8 @@
 # Versions: GeoPandas 1.2.0, pyogrio 0.13.0 (its GDAL), Shapely 2.2.0
 # Seen: 2026-11
 # Do: write a column with the number of the row and sort by it, or pass SPATIAL_INDEX="NO" to to_file.
-# Source: GDAL manual, FlatGeobuf driver, layer creation option SPATIAL_INDEX ("defaults to YES"; features are written in the
-#   order of the index). GeoPandas manual, to_file, which names neither.
+# Source: GDAL manual, FlatGeobuf driver, layer creation option SPATIAL_INDEX (YES by default). FlatGeobuf's
+#   specification: an indexed file has its features along a Hilbert curve. GeoPandas manual, to_file, which names neither.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -8,7 +8,7 @@
 # Versions: mdapy 1.0.9, ASE 3.29.0, OVITO 3.17.2
 # Seen: 2026-11
 # Do: compare the sum of the volumes with the box; take OVITO's analysis, or add vacuum and leave out the atoms at the sides.
-# Source: mdapy's manual, System.cal_voronoi_volume, and its class Box (boundary: 1 periodic, 0 free), without a restriction. OVITO
+# Source: mdapy's manual, System.cal_voronoi_volume, and its class Box (boundary: 1 is periodic, 0 is not), without a restriction. OVITO
 #   manual, "Voronoi analysis" (a cell that is not periodic ends at its sides).
 set -euo pipefail
 work=$(mktemp -d)

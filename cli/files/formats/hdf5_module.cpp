@@ -15,7 +15,7 @@ std::filesystem::path module_path() {
 
 const Hdf5Module& load_hdf5(const std::string& task) {
     const std::filesystem::path path = module_path();
-    std::string failure = path.string() + ": it is of another build of clvotess: install both from one";
+    std::string failure = path.string() + ": it is of another build than clvotess: install both from one build";
     const auto library = votess::system::SharedLibrary::open(path, failure);
     const void* const module = library.is_open() ? library.symbol(CLVOTESS_HDF5_NAME) : nullptr;
     if (!module) {
