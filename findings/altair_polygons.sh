@@ -2,7 +2,7 @@
 # Altair paints everything except a polygon whose ring runs as GeoJSON prescribes.
 #
 # Surprise: a Voronoi cell on a map, written by GDAL with RFC7946=YES and read by GeoPandas, so that its ring runs
-#   counterclockwise. mark_geoshape() paints the map outside of the cell, and twelve such cells become one sheet of the last color.
+#   counterclockwise. mark_geoshape() paints the map outside of the cell, and twelve cells become one sheet of the last color.
 #   The same cell clockwise, as shapely.voronoi_polygons makes it, is drawn right. Vega (d3-geo) takes a ring on
 #   the sphere for the border of what lies to its right; GeoJSON says left. GeoPandas passes rings on as they are.
 # Versions: Altair 6.3.0, vl-convert-python 1.9.0, GeoPandas 1.2.0, pyogrio 0.13.0, Shapely 2.2.0

@@ -8,8 +8,8 @@
 # Versions: mdapy 1.0.9, ASE 3.29.0, OVITO 3.17.2
 # Seen: 2026-11
 # Do: compare the sum of the volumes with the box; take OVITO's analysis, or add vacuum and leave out the atoms at the sides.
-# Source: mdapy's manual, System.cal_voronoi_volume, and its class Box (boundary: 1 is periodic, 0 is not), without a restriction. OVITO
-#   manual, "Voronoi analysis" (a cell that is not periodic ends at its sides).
+# Source: mdapy's manual, System.cal_voronoi_volume, and its class Box (boundary: 1 is periodic, 0 is not), without a restriction.
+#   OVITO manual, "Voronoi analysis" (a cell that is not periodic ends at its sides).
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -50,7 +50,7 @@ for name, cell in (("right angles", np.diag([10., 11, 12])), ("hexagonal", np.ar
         sums = found.sum() / atoms.get_volume(), right.sum() / atoms.get_volume()
         same = np.allclose(sums, (factor, 1), rtol=1e-3) and (off == 0 if factor == 1 else off > .2)
         changed |= not same
-        print(f"{name}, periodic {periodic}: the sum is {sums[0]:.3f} of the box by mdapy, {sums[1]:.3f} by OVITO; {off:.0%} of the "
-              f"volumes differ, by up to a factor of {(found / right).max():.3g}", "" if same else "CHANGED")
+        print(f"{name}, periodic {periodic}: the sum is {sums[0]:.3f} of the box by mdapy, {sums[1]:.3f} by OVITO; {off:.0%} of "
+              f"the volumes differ, by up to a factor of {(found / right).max():.3g}", "" if same else "CHANGED")
 sys.exit(bool(changed))
 EOF

@@ -2,8 +2,8 @@
 # CGNS files of meshio are read by meshio only, and meshio reads those of nobody else.
 #
 # Surprise: meshio writes tetrahedra as .cgns without an error. VTK and PyVista return no block, with messages that no base
-#   was found, and Gmsh stops at the first node: the file lacks the labels of nodes that make an HDF5 file a CGNS file. Hexahedra and
-#   triangles are left out without a word. A .cgns of Gmsh, which VTK reads, is refused by meshio: it expects its own names.
+#   was found, and Gmsh stops at the first node: the file lacks the labels of nodes that make an HDF5 file a CGNS file. Hexahedra
+#   and triangles are left out without a word. A .cgns of Gmsh, which VTK reads, is refused by meshio: it expects its own names.
 # Versions: meshio 5.3.5, Gmsh 4.15.2, VTK 9.7.2, PyVista 0.49.1, h5py 3.16.0
 # Seen: 2026-11
 # Do: let meshio write .msh and Gmsh convert it to .cgns, or use .vtu.

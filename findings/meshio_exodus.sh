@@ -2,8 +2,8 @@
 # Hexahedra of second order in meshio's Exodus II files are folded in VTK, and values of cells are missing.
 #
 # Surprise: Gmsh makes a mesh of hexahedra of 20 or 27 nodes, meshio writes it as .e, and VTK (PyVista, ParaView) reads it. 8 of
-#   the 12 edge nodes are then at the middle of another edge. Exodus lists the four vertical edges before those of the top, VTK and
-#   meshio after them; VTK's reader permutes them and meshio's writer does not. meshio's reader does not either, so a
+#   the 12 edge nodes are then at the middle of another edge. Exodus lists the four vertical edges before those of the top, VTK
+#   and meshio after them; VTK's reader permutes them and meshio's writer does not. meshio's reader does not either, so a
 #   round trip looks right. Cell data are left out without a word, point data are kept. Tetrahedra of 10 nodes are right.
 # Versions: meshio 5.3.5, VTK 9.7.2, PyVista 0.49.1, Gmsh 4.15.2, netCDF4 1.7.5
 # Seen: 2026-11

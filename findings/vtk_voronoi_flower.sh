@@ -8,8 +8,8 @@
 # Versions: VTK 9.7.2, PyVista 0.49.1, SciPy 1.17.1
 # Seen: 2026-11
 # Do: scipy.spatial.Delaunay; or swap two corners of each tetrahedron of negative volume, and check the sum against the hull.
-# Source: VTK class reference, vtkTetra (the fourth point lies on the side of the normal of the first three) and vtkVoronoiFlower3D
-#   (output types VORONOI and DELAUNAY).
+# Source: VTK class reference, vtkTetra (the fourth point lies on the side of the normal of the first three) and
+#   vtkVoronoiFlower3D (output types VORONOI and DELAUNAY).
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -50,8 +50,8 @@ for padding, stated in ((.001, 5165), (1, 5927), (10, 5927)):
     same = set(map(tuple, np.sort(rows).tolist())) <= right and len(rows) == stated and .45 < inverted < .55 and \
         abs(grid.volume) < .03
     changed |= not same
-    print(f"padding {padding}: {len(rows)} of {len(right)} tetrahedra, {inverted:.1%} inverted; volume by PyVista {grid.volume:.4f}, "
-          f"of their absolute values {abs(volumes).sum():.4f}, of the hull {hull:.4f}", "" if same else "CHANGED")
+    print(f"padding {padding}: {len(rows)} of {len(right)} tetrahedra, {inverted:.1%} inverted; volume by PyVista "
+          f"{grid.volume:.4f}, of their absolute values {abs(volumes).sum():.4f}, of the hull {hull:.4f}", "" if same else "CHANGED")
 
 voronoi, grid, error, count = Voronoi(points), made("Voronoi", .001), 0, 0
 for i, region in enumerate(voronoi.point_region):

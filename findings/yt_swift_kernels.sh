@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # yt spreads the gas of SWIFT snapshots over 0.55 of its radius: maps are too sharp, and have gaps.
 #
-# Surprise: a particle of mass 1 and smoothing length h = 0.05. swiftsimio paints it up to 0.0913, which is SWIFT's radius: h times
-#   1.825742 for the cubic spline in three dimensions. yt takes h for the radius, so its column density in the middle is 3.1
+# Surprise: a particle of mass 1 and smoothing length h = 0.05. swiftsimio paints it up to 0.0913, which is SWIFT's radius: h
+#   times 1.825742 for the cubic spline in three dimensions. yt takes h for the radius, so its column density in the middle is 3.1
 #   times as high. The mass is kept by both, so a check of the sum passes. Slices of a smooth medium drop to 0
-#   between the particles. Before that, yt needs NumPy below 2.4: SWIFT stores the numbers of its header as arrays of one entry, which
-#   swiftsimio expects, and yt converts them in a way that NumPy 2.4 refuses.
+#   between the particles. Before that, yt needs NumPy below 2.4: SWIFT stores the numbers of its header as arrays of one entry,
+#   which swiftsimio expects, and yt converts them in a way that NumPy 2.4 refuses.
 # Versions: yt 4.4.3, swiftsimio 12.4.0, NumPy 2.3.5 and 2.4.6
 # Seen: 2026-11
 # Do: draw such snapshots by swiftsimio, or multiply SmoothingLengths by the factor of the kernel in a copy for yt.
-# Source: Dehnen and Aly (2012), whose h SWIFT's manual takes: the radius H of the kernel is a multiple of h, by kernel and dimension.
-#   swiftsimio manual, "Visualisation". yt manual, "SPH particle data", where the kernel ends at the smoothing length.
+# Source: Dehnen and Aly (2012), whose h SWIFT's manual takes: the radius H of the kernel is a multiple of h, by kernel and
+#   dimension. swiftsimio manual, "Visualisation". yt manual, "SPH particle data", where the kernel ends at the smoothing length.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -36,8 +36,8 @@ text = np.bytes_
 counts = np.array([1, 0, 0, 0, 0, 0, 0])
 groups = {
     "Header": {"BoxSize": np.ones(3), "NumPart_ThisFile": counts, "NumPart_Total": counts, "NumPart_Total_HighWord": 0 * counts,
-               "NumFilesPerSnapshot": [1], "ThisFile": [0], "Dimension": [3], "Redshift": [0.], "Scale-factor": [1.], "Time": [0.],
-               "MassTable": np.zeros(7), "InitialMassTable": np.zeros(7), "NumPartTypes": [7], "Code": text("SWIFT"),
+               "NumFilesPerSnapshot": [1], "ThisFile": [0], "Dimension": [3], "Redshift": [0.], "Scale-factor": [1.],
+               "Time": [0.], "MassTable": np.zeros(7), "InitialMassTable": np.zeros(7), "NumPartTypes": [7], "Code": text("SWIFT"),
                "RunName": text("one particle"), "OutputType": text("FullVolume")},
     "Units": units,
     "InternalCodeUnits": units,
