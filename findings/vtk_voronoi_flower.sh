@@ -51,7 +51,8 @@ for padding, stated in ((.001, 5165), (1, 5927), (10, 5927)):
         abs(grid.volume) < .03
     changed |= not same
     print(f"padding {padding}: {len(rows)} of {len(right)} tetrahedra, {inverted:.1%} inverted; volume by PyVista "
-          f"{grid.volume:.4f}, of their absolute values {abs(volumes).sum():.4f}, of the hull {hull:.4f}", "" if same else "CHANGED")
+          f"{grid.volume:.4f}, of their absolute values {abs(volumes).sum():.4f}, of the hull {hull:.4f}",
+          "" if same else "CHANGED")
 
 voronoi, grid, error, count = Voronoi(points), made("Voronoi", .001), 0, 0
 for i, region in enumerate(voronoi.point_region):
