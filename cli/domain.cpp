@@ -80,6 +80,9 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
         return {DomainSource::by_default, periodic ? DomainSource::option : DomainSource::by_default};
     }
     const bool given = options.box || options.cell;
+    const bool stated_walls = !given && options.walls.empty();  // the walls are the file's, if there are some
+    if (!given && stated.cell && !stated_walls)
+        throw bad_input("the file states a cell, and walls need a box: give --box");
     if (!given) {
         options.box = stated.box;
         options.cell = stated.cell;
@@ -100,7 +103,14 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     const bool axes_alone = any(stated.periodic) && !stated.box;  // they apply to the user's box
     if (!periodic && (given ? axes_alone : options.box.has_value())) axes = stated.periodic;
     if (periodic) axes = *periodic;
-    if (options.planar) axes[2] = false;  // which --periodic without a value names
+    if (options.planar) axes[2] = false;        // which --periodic without a value names
+    if (!options.walls.empty() && any(axes)) {  // the library refuses the rest, in the user's own options
+        if (!periodic && stated_walls)
+            throw bad_input(
+                "the file states a domain that repeats and is not a box: add --periodic none, or give --box");
+        if (!periodic) throw bad_input("the file states periodic axes, which walls exclude: add --periodic none");
+        if (stated_walls) throw bad_input("--periodic needs a box, and the file's domain is a polyhedron: give --box");
+    }
     return {given ? DomainSource::option : DomainSource::stated, periodic               ? DomainSource::option
                                                                  : given && !axes_alone ? DomainSource::by_default
                                                                                         : stated.periodic_from};

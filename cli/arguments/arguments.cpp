@@ -224,7 +224,10 @@ void read_source(const Typed& typed, Arguments& arguments) {
     const std::string* random = typed.value("--random");
     if (input && random) throw bad_input("give either INPUT or --random N, not both");
     if (!input && !random && !typed.has("--remesh"))
-        throw bad_input("there is no input: give INPUT or --random N, see clvotess --help");
+        throw bad_input(typed.has("--surface")
+                            ? "there is no input: give a file of seeds as INPUT (- for stdin), --random N or --remesh N"
+                            : "there is no input: give a file of points as INPUT (- for stdin) or --random N; "
+                              "clvotess --help lists all options");
     if (input && input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
     if (input) arguments.input = *input;
     if (random && (typed.has("--dataset") || typed.has("--frame") || typed.has("--frames")))

@@ -310,6 +310,18 @@ class SolverFiles(ReaderTest):
         per = " **periodicity\n  *general\n   1 1 0\n   1.0 2.0 1.0\n***end"
         self.put("c.tess", TESS.format(0, 0, "cube", CUBE_FACES).replace("***end", per))
         self.assertEqual(json.loads(self.run_cli("c.tess", "--json").stdout)["domain"]["periodic"], [True, True, False])
+        # The messages name options that were given, or those to give.
+        self.put("d.tess", TESS.format(0, 0, "poly", TETRAHEDRON_FACES).replace("***end", per))
+        self.refuse("d.tess", says="the file states a domain that repeats and is not a box: add --periodic none, or give --box")
+        self.refuse("d.tess", "--periodic", "x", says="--periodic needs a box, and the file's domain is a polyhedron: give --box")
+        self.assertEqual(len(self.rows("d.tess", "--periodic", "none", "--outside", "keep")), 2)
+        self.run_cli("d.tess", "--box", "0,0,0,1,2,1", "--periodic", "xy", "-q")
+        wall = ["--wall", "1,0,0,0.6", "--outside", "keep"]
+        self.refuse("c.tess", *wall, says="the file states periodic axes, which walls exclude: add --periodic none")
+        self.refuse("c.tess", *wall, "--periodic", "x", says="--wall and --periodic are both given")
+        self.assertEqual(len(self.rows("c.tess", *wall, "--periodic", "none")), 2)
+        self.put("e.xyz", '1\nLattice="2 0 0 1 2 0 0 0 2"\nX 1 1 1\n')
+        self.refuse("e.xyz", *wall, says="the file states a cell, and walls need a box: give --box")
 
     def test_tess_of_other_polyhedra(self):
         self.run_cli("--random", "20", "-q", "-o", "a.tess")

@@ -14,9 +14,10 @@ std::filesystem::path module_path() {
 }  // namespace
 
 const Hdf5Module& load_hdf5(const std::string& task) {
-    std::string failure = "it has no symbol clvotess_hdf5";
-    const auto library = votess::system::SharedLibrary::open(module_path(), failure);
-    const void* const module = library.is_open() ? library.symbol("clvotess_hdf5") : nullptr;
+    const std::filesystem::path path = module_path();
+    std::string failure = path.string() + ": it is of another build than clvotess: install both from one build";
+    const auto library = votess::system::SharedLibrary::open(path, failure);
+    const void* const module = library.is_open() ? library.symbol(CLVOTESS_HDF5_NAME) : nullptr;
     if (!module) {
         throw bad_input(task + ": the module for HDF5 cannot be loaded: " + failure +
                         " (build clvotess where libhdf5-dev is installed, and keep lib/votess beside the folder of "

@@ -7,6 +7,12 @@
 #include <span>
 #include <string>
 
+// The symbol of the module's functions. In the module its name ends with a digest of all headers, so that a program
+// does not call a module of another build, whose types may differ.
+#ifndef CLVOTESS_HDF5_SYMBOL
+#define CLVOTESS_HDF5_SYMBOL clvotess_hdf5
+#endif
+
 namespace clvotess {
 
 struct GridOutput;

@@ -483,12 +483,12 @@ void write_arrays_hdf5(OutputFile& file, std::span<const ResultArray> arrays);
 
 }  // namespace clvotess
 
-extern "C" const clvotess::Hdf5Module clvotess_hdf5;
-const clvotess::Hdf5Module clvotess_hdf5{clvotess::read,
-                                         clvotess::open,
-                                         clvotess::open_frames_of_hdf5,
-                                         clvotess::write_hdf5,
-                                         clvotess::create_hdf5,
-                                         clvotess::create_hdf5_frames,
-                                         clvotess::write_grid_hdf5,
-                                         clvotess::write_arrays_hdf5};
+extern "C" const clvotess::Hdf5Module CLVOTESS_HDF5_SYMBOL;
+const clvotess::Hdf5Module CLVOTESS_HDF5_SYMBOL{clvotess::read,
+                                                clvotess::open,
+                                                clvotess::open_frames_of_hdf5,
+                                                clvotess::write_hdf5,
+                                                clvotess::create_hdf5,
+                                                clvotess::create_hdf5_frames,
+                                                clvotess::write_grid_hdf5,
+                                                clvotess::write_arrays_hdf5};
