@@ -115,7 +115,7 @@ std::string difference_from_second_run(const Result& result, Settled again, doub
             return;
         }
         const double least = least_scale(array.name, spacing, result.planar);
-        const std::size_t components = detail::components_of(array, result.planar);
+        const std::size_t components = components_of(array, result.planar);
         for (std::size_t k = 0; k < given.size() && text.empty(); ++k) {
             double scale = least;
             for (std::size_t c = k - k % components; c < std::min(k - k % components + components, expected.size());
