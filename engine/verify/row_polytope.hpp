@@ -175,7 +175,7 @@ private:
     std::vector<std::int32_t> vertices_;
     std::vector<int> slots_, table_;       // corners by place in the polygons; by hash of their vertices
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
-    std::vector<int> crowded_;              // corners of many planes, which exact signs find slowly
+    std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly
     std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes
     struct Block {
         Vector3 lower, upper;    // of normals
