@@ -220,8 +220,8 @@ std::optional<int> side_of_far_vertex(const Point& p, const std::array<const Pla
     const std::size_t k = !is_across[0] ? 0 : !is_across[1] ? 1 : 2;  // of two walls: along both
     for (std::size_t m = 0; m < walls; ++m) {
         const std::size_t i = across[m];
-        const Int128 by = walls == 3 ? n[0][i]
-                                     : static_cast<Int128>(n[0][i]) * n[1][k] - static_cast<Int128>(n[0][k]) * n[1][i];
+        const Int128 by =
+            walls == 3 ? n[0][i] : static_cast<Int128>(n[0][i]) * n[1][k] - static_cast<Int128>(n[0][k]) * n[1][i];
         sum += sign[m] * by;
         sizes += std::abs(static_cast<double>(by));
     }

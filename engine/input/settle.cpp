@@ -101,6 +101,21 @@ void for_values(auto& options, auto& run, const auto& use) {
     use(options.progress, run.progress);
     use(options.log, run.log);
 }
+// Refuses sides so different that cells would leave the range of double in which they are measured.
+void check_sides(const Box& box, const Want& want, std::size_t dimensions) {
+    constexpr double thinnest = 0x1p-450;
+    if (!want.volumes && !want.centroids && !want.areas && !want.surfaces && !want.radii) return;
+    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+    for (std::size_t k = 0; k < dimensions; ++k) {
+        const double side = box.upper[k] - box.lower[k];
+        if (std::isfinite(side)) shortest = std::min(shortest, side), longest = std::max(longest, side);
+    }
+    if (shortest < thinnest * longest)
+        refuse(
+            "Options::box: its sides are from " + number(shortest) + " to " + number(longest) +
+            ", too different to measure cells: give a box whose sides differ by less than 1e135, or want no measures");
+}
+
 void take_values(const Options& options, Settled& run) {
     for_values(options, run, [](const auto& option, auto& value) { value = option; });
 }
@@ -145,6 +160,7 @@ Settled settle(const Options& options) {
     Settled run;
     take_values(options, run);
     check_region(run.region);
+    if (run.region.box) check_sides(*run.region.box, run.want, run.region.planar ? 2 : 3);
     run.weights = weights_of(options.weights, options.radii);
     if (options.only) run.subset.emplace(options.only->begin(), options.only->end());
     imply(run);

@@ -101,7 +101,7 @@ bool CellWriter::write(Star& star) {
     if (measured_ || kept_ != nullptr) shape = star.shape(std::span(ranks_).first(faces.size()));
     if (kept_ != nullptr) store(shape, star.met_tie());
     if (measured_) {
-        if (shape == nullptr || !kernels_->measure(*shape, measures_)) return false;
+        if (shape == nullptr || !measure_by_kernel(*shape)) return false;
         face_areas_ = std::span(measures_.areas).first(faces.size());
         write_measures();
     } else if (want_.vertices && !star.knows_vertices()) {
@@ -186,7 +186,7 @@ bool CellWriter::write(std::size_t seed, const KeptCell& cell) {
     kept_planes_.begin(seed, cell);
     if (measured_) {
         kept_planes_.shape(shape_);
-        if (!kernels_->measure(shape_, measures_)) return false;
+        if (!measure_by_kernel(shape_)) return false;
         face_areas_ = std::span(measures_.areas).first(count);
     }
     face_shifts_.clear();
@@ -219,13 +219,18 @@ void CellWriter::measure(const Cell& cell) {
     const std::span ranks = std::span(ranks_).first(ranked_ids_.size());
     const bool beyond = probe_ == nullptr && seeds_.is_beyond(seed_);
     shape_.weighted = domain_->has_weights() || beyond;
-    if (shape_reader_.read(cell, faces_, ranks, beyond, shape_) && kernels_->measure(shape_, measures_)) {
+    if (shape_reader_.read(cell, faces_, ranks, beyond, shape_) && measure_by_kernel(shape_)) {
         face_areas_ = std::span(measures_.areas).first(faces_.size());
     } else {
         measure_exactly(cell, faces_, ranks, measures_, many_areas_);
         face_areas_ = many_areas_;
     }
     write_measures();
+}
+
+bool CellWriter::measure_by_kernel(CellShape& shape) {
+    measures_.exponent = 0;
+    return kernels_->measure(shape, measures_);
 }
 
 void CellWriter::write_none(std::size_t output, CellStatus status) {
@@ -236,8 +241,15 @@ void CellWriter::write_none(std::size_t output, CellStatus status) {
 
 void CellWriter::write_measures() {
     const CellMeasures& m = measures_;
-    tally_.add(face_areas_.subspan(wall_faces_));
-    if (want_.volumes) out_->arrays().volumes[output_] = m.volume * unscale_ * unscale_ * unscale_;
+    const double unscale = unscale_of_cell();
+    if (m.exponent == 0) {
+        tally_.add(face_areas_.subspan(wall_faces_));
+    } else {
+        std::vector<double> areas(face_areas_.begin() + wall_faces_, face_areas_.end());
+        for (double& area : areas) area = std::ldexp(area, 2 * m.exponent);
+        tally_.add(areas);
+    }
+    if (want_.volumes) out_->arrays().volumes[output_] = m.volume * unscale * unscale * unscale;
     if (want_.centroids) {
         const exact::Point p = place();
         for (std::size_t k = 0; k < 3; ++k)
@@ -245,8 +257,12 @@ void CellWriter::write_measures() {
     }
     if (want_.surfaces)
         out_->arrays().surface_areas[output_] =
-            std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0) * unscale_ * unscale_;
-    if (want_.radii) out_->arrays().security_radii[output_] = 2 * std::sqrt(m.farthest_squared) * unscale_;
+            std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0) * unscale * unscale;
+    if (want_.radii) out_->arrays().security_radii[output_] = 2 * std::sqrt(m.farthest_squared) * unscale;
+}
+
+double CellWriter::unscale_of_cell() const {
+    return measures_.exponent == 0 ? unscale_ : std::ldexp(unscale_, measures_.exponent);
 }
 
 void CellWriter::write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
@@ -392,7 +408,7 @@ void CellWriter::write_row() {
     };
     if (count > 0) write_steps();
     if (want_.areas) {
-        const double square = unscale_ * unscale_;
+        const double unscale = unscale_of_cell(), square = unscale * unscale;
         for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
     }
     if (want_.normals)

@@ -107,7 +107,10 @@ private:
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
     [[nodiscard]] exact::Point place() const;
     void measure(const Cell& cell);
+    [[nodiscard]] bool measure_by_kernel(CellShape& shape);
     void write_measures();
+    // Returns the factor from the unit of measures_ to that of the result.
+    [[nodiscard]] double unscale_of_cell() const;
     void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
     // Fills names_ and ranks_ of faces: sorted seeds or walls. Their shifts are face_shifts_, or those of the ids if
     // these are empty.

@@ -51,6 +51,7 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
 std::array<double, 3> mirror_image(const CellPlane& wall);
 
 struct CellGeometry {
+    int exponent = 0;  // as in CellMeasures, and of the centroid too
     double volume = 0;
     std::array<double, 3> centroid{};  // relative to the seed
     double farthest_squared = 0;       // from the seed to a vertex

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "core/sum.hpp"
 #include "polytope/cell.hpp"
@@ -42,6 +43,15 @@ struct Sums {
         const Real all = volume.value();
         g.volume = static_cast<double>(all);
         for (int k = 0; k < 3; ++k) g.centroid[k] = static_cast<double>(moment[k].value() / all);
+        if constexpr (!std::is_same_v<Real, double>) {  // which has no room for needles of 1e-150 of their length
+            constexpr double least = 1e-250;
+            constexpr int step = 150, last = 450;
+            for (int shift = step; shift <= last && !(g.volume > least); shift += step) {
+                g.volume = static_cast<double>(ldexp(all, 3 * shift));
+                g.exponent = -shift;
+            }
+            for (double& x : g.centroid) x = std::ldexp(x, -g.exponent);
+        }
         return g;
     }
 };
@@ -233,14 +243,10 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
         if (areas != nullptr && !(std::max(worst_area, surface_error) <= accepted_error * surface)) return std::nullopt;
     }
     CellGeometry geometry = sums.geometry();
-    geometry.farthest_squared = farthest;
-    if (exponent != 0) {
-        geometry.volume = std::ldexp(geometry.volume, 3 * exponent);
-        for (double& x : geometry.centroid) x = std::ldexp(x, exponent);
-        geometry.farthest_squared = std::ldexp(geometry.farthest_squared, 2 * exponent);
-        if (areas != nullptr)
-            for (double& area : *areas) area = std::ldexp(area, 2 * exponent);
-    }
+    geometry.farthest_squared = std::ldexp(farthest, -2 * geometry.exponent);
+    if (areas != nullptr && geometry.exponent != 0)
+        for (double& area : *areas) area = std::ldexp(area, -2 * geometry.exponent);
+    geometry.exponent += exponent;
     return geometry;
 }
 
@@ -278,6 +284,18 @@ std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces,
     return sum_pyramids<Real>(cell, faces, corner, areas);
 }
 
+// Brings measures to units of one. Those of very small or large cells may leave the range of double.
+CellGeometry in_units_of_one(CellGeometry geometry, std::vector<double>* areas) {
+    const int exponent = std::exchange(geometry.exponent, 0);
+    if (exponent == 0) return geometry;
+    geometry.volume = std::ldexp(geometry.volume, 3 * exponent);
+    for (double& x : geometry.centroid) x = std::ldexp(x, exponent);
+    geometry.farthest_squared = std::ldexp(geometry.farthest_squared, 2 * exponent);
+    if (areas != nullptr)
+        for (double& area : *areas) area = std::ldexp(area, 2 * exponent);
+    return geometry;
+}
+
 CellGeometry solve(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
     if (const auto g = sum_solved<double>(cell, faces, areas)) return *g;
     if (const auto g = sum_solved<exact::Quad>(cell, faces, areas)) return *g;
@@ -292,8 +310,8 @@ CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) c
         double error;
     };
     const auto corner = [this](int slot) { return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]}; };
-    if (const auto g = sum_pyramids<double>(*this, faces, corner, areas)) return *g;
-    return solve(*this, faces, areas);
+    const auto g = sum_pyramids<double>(*this, faces, corner, areas);
+    return in_units_of_one(g ? *g : solve(*this, faces, areas), areas);
 }
 
 // Faces go by rank, and each polygon begins at the edge to the face of least rank, so that the sums do not depend on
@@ -312,8 +330,9 @@ void measure_exactly(const Cell& cell, const CellFaces& faces, std::span<const s
         sorted.offsets.push_back(static_cast<std::int32_t>(sorted.corners.size()));
     }
     const CellGeometry geometry = solve(cell, sorted, &areas);
+    out.exponent = geometry.exponent;
     out.volume = geometry.volume;
-    out.centroid = geometry.centroid;
+    for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = std::ldexp(geometry.centroid[k], geometry.exponent);
     out.farthest_squared = geometry.farthest_squared;
 }
 

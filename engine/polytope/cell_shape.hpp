@@ -60,9 +60,10 @@ struct CellShape {
 };
 
 struct CellMeasures {
+    int exponent = 0;  // of the unit of lengths in the volume, the areas and the farthest vertex, a power of two
     double volume = 0;
     double farthest_squared = 0;                                    // from the seed to a vertex
-    std::array<double, 3> centroid{};                               // relative to the seed
+    std::array<double, 3> centroid{};                               // relative to the seed, always in units of one
     alignas(32) std::array<double, CellShape::max_planes> areas{};  // by rank
 };
 
@@ -94,7 +95,8 @@ private:
     std::vector<std::uint8_t> around_;
 };
 
-// Measures from exactly solved corners. areas: by rank, to an absolute error of 1e-10 of their sum.
+// Measures from exactly solved corners. areas: by rank, in the unit of `out`, to an absolute error of 1e-10 of their
+// sum.
 void measure_exactly(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellMeasures& out,
                      std::vector<double>& areas);
 

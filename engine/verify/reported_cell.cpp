@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <vector>
 
 #include "core/errors.hpp"
 #include "core/text.hpp"
 #include "input/settle.hpp"
+#include "polytope/cell_shape.hpp"
 #include "verify/brute_force.hpp"
 
 namespace votess {
@@ -101,9 +105,19 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
     if (empty) return {};
     for (std::size_t f = 0; f < clipped.faces.size(); ++f)
         if (run.ends.any() && run.ends.has(clipped.plane(f).id)) return {};
-    const double unscale = 1 / clipped.scale(), unit_of_volume = run.planar() ? run.thickness : 1;
+    constexpr double least_volume = 1e-250;  // smaller ones have digits in their own unit only
+    const double unit_of_volume = run.planar() ? run.thickness : 1;
+    double unscale = 1 / clipped.scale();
     std::vector<double> areas;
-    const cpu::CellGeometry geometry = clipped.cell.measure(clipped.faces, &areas);
+    cpu::CellGeometry geometry = clipped.cell.measure(clipped.faces, &areas);
+    if (!(geometry.volume > least_volume)) {
+        std::vector<std::uint32_t> ranks(clipped.faces.size());
+        std::iota(ranks.begin(), ranks.end(), 0u);
+        cpu::CellMeasures measures;
+        cpu::measure_exactly(clipped.cell, clipped.faces, ranks, measures, areas);
+        geometry.volume = measures.volume;
+        unscale = std::ldexp(unscale, measures.exponent);
+    }
     const double tolerance = run.tolerance.cell + double_tolerance.cell;  // both are rounded
     if (reported.row) {
         std::vector<ReportedFace> row;

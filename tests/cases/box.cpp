@@ -1,10 +1,13 @@
 // The option `box`, the default box, and coordinates at the limits of exact arithmetic.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "support/check.hpp"
+#include "support/generators.hpp"
 #include "support/text.hpp"
 
 namespace {
@@ -84,5 +87,39 @@ TEST_SUITE("cases") {
             if (refusal(points, test::all_options()) != "") continue;
             CHECK(test::check_invariants(votess::tessellate(points, test::all_options()), points, true) == "");
         }
+    }
+
+    // In its units their volumes would be far below the least double.
+    TEST_CASE("box: cells far smaller than their box are measured as in a small one") {
+        test::Coordinates points = test::uniform(60, 3).points;
+        for (double& x : points) x *= 3;
+        points.insert(points.end(), {1, 2, 0x1p55});
+        const std::size_t far = points.size() / 3 - 1;
+        const auto run = [&](int exponent) {
+            votess::Options options = test::all_options(votess::Box{{0, 0, 0}, {3, 3, std::ldexp(1.0, exponent)}});
+            options.want.surfaces = options.want.radii = true;
+            return votess::tessellate(points, options);
+        };
+        const auto small = run(60);
+        const auto near = [](std::span<const double> a, std::span<const double> b) {
+            return std::ranges::equal(
+                a, b, [](double x, double y) { return std::abs(x - y) <= 1e-11 * std::max(std::abs(y), 1e-3); });
+        };
+        for (const int exponent : {63, 64, 200, 448}) {
+            CAPTURE(exponent);
+            const auto t = run(exponent);
+            REQUIRE(test::rows_of(t) == test::rows_of(small));
+            const auto entries = static_cast<std::size_t>(t.indptr()[far]);
+            CHECK(near(t.volumes().first(far), small.volumes().first(far)));
+            CHECK(near(t.centroids().first(3 * far), small.centroids().first(3 * far)));
+            CHECK(near(t.surface_areas().first(far), small.surface_areas().first(far)));
+            CHECK(near(t.security_radii().first(far), small.security_radii().first(far)));
+            CHECK(near(t.face_areas().first(entries), small.face_areas().first(entries)));
+            CHECK(votess::verify(t, points).failure == "");
+        }
+        votess::Options options = test::all_options(votess::Box{{0, 0, 0}, {3, 3, 0x1p460}});
+        CHECK(has(refusal(points, options), "Options::box: its sides are from 3 to "));
+        options.want = {.neighbors = true, .volumes = false};
+        CHECK(test::rows_of(votess::tessellate(points, options)).size() == points.size() / 3);
     }
 }

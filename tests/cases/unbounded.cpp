@@ -391,6 +391,60 @@ TEST_SUITE("cases") {
         }
     }
 
+    // Their vertices are 2^52 times as far as in a plane. Such seeds are run in the far box alone.
+    TEST_CASE("unbounded: seeds in a plane or on a line up to rounding") {
+        test::Random random(17);
+        for (std::size_t trial = 0; trial < 12; ++trial) {
+            const std::size_t count = trial < 6 ? 12 : 40;
+            Coordinates points;
+            for (std::size_t i = 0; i < count; ++i) {
+                const double s = random.uniform(), t = trial % 2 == 0 ? random.uniform() : 0;
+                points.insert(points.end(),
+                              {0.1 + s / 3 - 0.3 * t, 0.2 + 0.7 * s + 0.13 * t, 0.3 + 0.11 * s + 0.77 * t});
+            }
+            CAPTURE(trial);
+            Options options = endless_options();
+            const auto t = votess::tessellate(points, options);
+            CHECK(check_rows(t, points, options) == "");
+            options.want.vertices = options.want.faces = true;
+            const auto all = votess::tessellate(points, options);
+            CHECK(test::rows_of(all) == test::rows_of(t));
+            CHECK(std::ranges::equal(all.volumes(), t.volumes()));
+            CHECK(check_polygons(all) == "");
+            CHECK(votess::verify(all, points).failure == "");
+        }
+    }
+
+    // Rows of compact cells do not depend on how far walls across the lattice are. Third edges that long came to NaN.
+    TEST_CASE("unbounded: a periodic cell of any length across the lattice") {
+        const Coordinates points{0.3333333333333325, 2.3052626492114048e-15, 0.6666666666666676,
+                                 0.6666666666666667, 0.9999999999999981,     0.6666666666666662,
+                                 0.3333333333333349, 0.3333333333333337,     0.6666666666666651};
+        Options options = test::all_options();
+        options.box.reset();
+        options.cell =
+            votess::TriclinicBox{{-0.1, -0.1, -0.1}, {1.2, 0, 0}, {0.3, 1.2, 0}, {0, 0, 0}, {true, true, false}};
+        options.want.vertices = options.want.faces = true;
+        const auto endless = votess::tessellate(points, options);
+        CHECK(votess::verify(endless, points).failure == "");
+        for (const bool both : {true, false}) {
+            options.want = {.neighbors = true, .volumes = false};
+            options.list_walls = false;
+            std::vector<std::vector<std::int32_t>> rows;
+            for (const int exponent : {100, 255, 256, 268, 269, 270, 340, 400}) {
+                const double end = std::ldexp(1.0, exponent);
+                options.cell->origin[2] = -end;
+                options.cell->c = {0, 0, 2 * end};
+                options.cell->periodic = {true, both, false};
+                CAPTURE(exponent);
+                CAPTURE(both);
+                const auto t = votess::tessellate(points, options);
+                if (rows.empty()) rows = test::rows_of(t);
+                CHECK(test::rows_of(t) == rows);
+            }
+        }
+    }
+
     TEST_CASE("unbounded: the far box lies beyond all vertices") {
         test::Random random(9);
         for (std::size_t trial = 0; trial < test::by_size(200, 40); ++trial) {

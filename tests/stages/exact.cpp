@@ -1,10 +1,13 @@
 // Orientations, sides, positions and wide numbers against rational arithmetic.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "exact/double_double.hpp"
+#include "exact/integer/big_int.hpp"
 #include "exact/integer/wide_int.hpp"
 #include "exact/predicate.hpp"
 #include "exact/quad.hpp"
@@ -151,6 +154,80 @@ TEST_SUITE("stages") {
             INFO(family.name);
             CHECK(solved > 50);
             CHECK(ties >= 3 * solved + (family.tied ? 10 : 0));
+        }
+    }
+
+    // The direction to the vertex decides, or where it lies along the plane, all numbers.
+    TEST_CASE("exact: sides of vertices on far walls equal rational arithmetic") {
+        Random random(31);
+        int solved = 0, ties = 0;
+        for (int s = 0; s < 3000; ++s) {
+            const int kind = static_cast<int>(random.below(3)), axis = static_cast<int>(random.below(3));
+            const auto coordinate = [&] { return kind == 0 ? small_integer(random) : random.uniform(); };
+            const auto point = [&] {
+                Point x{coordinate(), coordinate(), coordinate()};
+                if (kind == 2) x[static_cast<std::size_t>(axis)] = 0.3 + 0x1p-52 * small_integer(random);
+                return x;
+            };
+            const Point p = point();
+            const double far = std::ldexp(1.0, static_cast<int>(random.below(400)));
+            const double other = random.chance(0.8) ? far : std::ldexp(1.0, static_cast<int>(random.below(400)));
+            const std::size_t walls = 1 + random.below(3), first = random.below(3);
+            std::array<Plane, 3> planes;
+            for (std::size_t i = 0; i < 3; ++i) {
+                const int k = static_cast<int>((first + i) % 3);
+                const double at = i == 0 ? far : other;
+                planes[i] = i >= walls           ? Plane::bisector(point())
+                            : random.chance(0.5) ? Plane::upper(k, at)
+                                                 : Plane::lower(k, -at);
+                if (i >= walls && random.chance(0.3)) planes[i].power = {coordinate(), 0};
+            }
+            mpq_class x[3];
+            if (!test::solve(rational(p, planes[0]), rational(p, planes[1]), rational(p, planes[2]), x)) continue;
+            ++solved;
+            for (int d = 0; d < 6; ++d) {
+                const Plane plane = Plane::bisector(point());
+                const int expected = test::side_of(x, rational(p, plane));
+                ties += expected == 0;
+                INFO("set ", s);
+                REQUIRE(votess::exact::side_of_vertex(p, planes[1], planes[2], planes[0], plane) == expected);
+            }
+        }
+        CHECK(solved > 1000);
+        CHECK(ties > 30);
+    }
+
+    TEST_CASE("exact: integers of any size add and multiply like GMP") {
+        using votess::exact::BigInt;
+        Random random(32);
+        const auto big = [](const mpz_class& x) {  // digit by digit
+            BigInt sum;
+            for (const char digit : mpz_class(abs(x)).get_str(16))
+                sum = sum * BigInt(16) + BigInt(digit <= '9' ? digit - '0' : digit - 'a' + 10);
+            return sgn(x) < 0 ? -sum : sum;
+        };
+        const auto equal = [&](const BigInt& x, const mpz_class& y) {
+            return x.sign() == sgn(y) && (x - big(y)).sign() == 0 && (big(y + 1) - x).sign() > 0;
+        };
+        for (int s = 0; s < 60; ++s) {
+            BigInt product = 1, sum;
+            mpz_class product_of_y = 1, sum_of_y;
+            // Up to 3,000 bits: numbers on the heap too.
+            for (std::size_t terms = random.below(60); terms > 0; --terms) {
+                const std::int64_t term = random.integer(-(std::int64_t{1} << 50), std::int64_t{1} << 50);
+                product = product * BigInt(term);
+                product_of_y *= mpz_class(static_cast<long>(term));
+                const bool adds = random.chance(0.5);
+                sum = adds ? sum + product : sum - product;
+                sum_of_y += adds ? product_of_y : mpz_class(-product_of_y);
+            }
+            REQUIRE(equal(product, product_of_y));
+            REQUIRE(equal(sum, sum_of_y));
+            REQUIRE(equal(product * sum, product_of_y * sum_of_y));
+            REQUIRE(equal(sum + -sum, 0));
+            BigInt moved = std::move(sum), copy = moved;
+            sum = copy;
+            REQUIRE(equal(sum - product, sum_of_y - product_of_y));
         }
     }
 

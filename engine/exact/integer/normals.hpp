@@ -43,9 +43,10 @@ inline int wall_sign(const Plane& wall) {
     return wall.kind == Plane::Kind::lower_wall ? -1 : 1;
 }
 
-// Writes all normals in one unit that leaves word_bits bits to the largest. Returns the exponent of the unit, or nothing
-// when a difference is finer.
-inline std::optional<int> word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<WordVector>& normals) {
+// Writes all normals in one unit that leaves word_bits bits to the largest. Returns the exponent of the unit, or
+// nothing when a difference is finer.
+inline std::optional<int> word_normals(const Point& p, std::span<const Plane* const> planes,
+                                       Scratch<WordVector>& normals) {
     double largest = 0;
     for (const Plane* plane : planes) {
         if (plane->is_oblique() || plane->is_reversed()) return std::nullopt;
