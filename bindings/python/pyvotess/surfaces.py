@@ -24,7 +24,7 @@ SurfaceWant = Literal["areas", "nearest", "polygons", "all"]
 
 _MAX_VERTICES = 2**28
 #: The arrays of each word of want. A word requests those of the words before it too.
-_ARRAYS: Dict[SurfaceWant, Tuple[str, ...]] = {
+_ARRAYS: Dict[str, Tuple[str, ...]] = {
     "areas": ("areas", "borders"),
     "nearest": ("centroids", "nearest", "energies"),
     "polygons": (
