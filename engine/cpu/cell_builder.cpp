@@ -754,6 +754,14 @@ void CellBuilder::clip_by_power(double from, bool images_only) {
     enclose();
     Corners corners;
     corners.take(cell_);
+    // Needles that are far longer than a box is away are known well across only.
+    const auto may_lose = [&](const Box& seen, const WeightBound& bound) {
+        if (!corners.may_lose(seen, bound.more, bound.view.move)) return false;
+        double far2 = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            far2 += std::max(seen.lower[k] * seen.lower[k], seen.upper[k] * seen.upper[k]);
+        return cell_.radius_squared() < far_vertex * far2 || cell_.may_cut(seen, bound.more, bound.view);
+    };
     const int top = hierarchy_.top_level();
     push(top, 0, hierarchy_.box(top, 0));
     while (!far_queue_.empty()) {
@@ -765,7 +773,7 @@ void CellBuilder::clip_by_power(double from, bool images_only) {
         const Box box = hierarchy_.box(entry.level, entry.node), seen = seen_from(at_, box, place_rounding_);
         const WeightBound bound = weight_bound(entry.level, entry.node, box);
         double gain = 0;
-        if (!ball_may_lose(seen, bound, gain) || !corners.may_lose(seen, bound.more, bound.view.move)) continue;
+        if (!ball_may_lose(seen, bound, gain) || !may_lose(seen, bound)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, push);
             continue;
@@ -780,7 +788,7 @@ void CellBuilder::clip_by_power(double from, bool images_only) {
             const double rounding = 0x1p-50 * (std::abs(seeds_.weights[i]) + std::abs(weight_));
             const WeightBound own{seeds_.weights[i] - weight_ + rounding, {}};
             const Box there = seen_from(at_, {x, x}, place_rounding_);
-            if (!ball_may_lose(there, own, gain) || !corners.may_lose(there, own.more, {})) continue;
+            if (!ball_may_lose(there, own, gain) || !may_lose(there, own)) continue;
             ++tests_;
             if (!clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2])) continue;
             if (cell_.empty()) return;

@@ -102,9 +102,8 @@ bool CpuClipper::triangulate() {
     if (!delaunay_) {
         std::vector<PowerSites::Site> sites;
         for (std::size_t s = 0; s < seeds_.size(); ++s) {
-            const auto at = seeds_.images == nullptr
-                                ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
-                                : images_.base(s);
+            const auto at = seeds_.images == nullptr ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
+                                                     : images_.base(s);
             sites.push_back({at.point, at.shift, seeds_.weights[s]});
         }
         delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites), &job_.domain->lattice));

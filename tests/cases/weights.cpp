@@ -266,4 +266,29 @@ TEST_SUITE("cases") {
             CHECK(t.stats().empty_cells > n / 2);
         }
     }
+
+    // Most seeds tie with all others at the middle, up to the rounding of weights, and some have tiny cells there.
+    TEST_CASE("weights: the squared distance to the middle of a periodic box, and two clusters") {
+        test::Random random(12);
+        const std::size_t n = test::by_size(2000, 500);
+        for (const bool clustered : {false, true}) {
+            CAPTURE(clustered);
+            Coordinates points(3 * n);
+            std::vector<double> weights(n, 0);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const double middle = !clustered ? 0.5 : i / 3 % 2 == 0 ? 0.3 : 0.8;
+                points[i] = clustered ? middle + 0.02 * (random.uniform() - 0.5) : random.uniform();
+                weights[i / 3] += (clustered ? -14 : 1) * (points[i] - middle) * (points[i] - middle);
+            }
+            Options options;
+            options.box = test::unit_box();
+            options.weights = weights;
+            for (const bool periodic : {true, false}) {
+                options.periodic = {periodic, periodic, periodic};
+                const auto t = votess::tessellate(points, options);
+                CHECK(votess::verify(t, points).failure == "");
+                CHECK((t.stats().empty_cells > n / 2) == !clustered);
+            }
+        }
+    }
 }
