@@ -292,7 +292,8 @@ private:
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
     [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known);
-    [[gnu::noinline]] bool add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added);
+    [[gnu::noinline]] bool add_inside(const Line& line, double length2, const Four& vertex, const std::int32_t* three,
+                                      int& added);
     template <class Visit>
     bool step_along(const Wide& nearest, const Wide& along, Visit visit) const;
     [[nodiscard, gnu::noinline]] bool add_along(const Line& line, const OpenEdge& edge);

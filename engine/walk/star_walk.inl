@@ -642,7 +642,9 @@ std::uint32_t StarWalk<Isa>::group_near(const Four& x, std::uint32_t known) {
 // seeds. Along the edge n.x - h is linear. If it is >= 0 at some vertex, it is so at all vertices behind, and the
 // search around those has found the seed.
 template <class Isa>
-bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added) {
+bool StarWalk<Isa>::add_inside(const Line& line, double length2, const Four& vertex, const std::int32_t* three,
+                               int& added) {
+    Four x = vertex;
     Ball ball;
     GroupTest test{p_, scale_, {}, 0};
     auto look_around = [&](double length2) {
