@@ -657,6 +657,7 @@ double CellBuilder::clip_band(double from, double to, std::size_t& idle) {
 void CellBuilder::clip_far(double from, bool images_only) {
     if (!seeds_.weights.empty() && !seeds_.lift.exists()) return clip_by_power(from, images_only);
     const Box here{at_, at_};
+    const std::size_t homes = images_only ? round_up(seeds_.size(), group_size) : 0;
     // A test of a large cell against a box takes longer than a cut. While most seeds cut it, they are not tested.
     int in_a_row = 0;
     const auto worth_a_test = [&] { return in_a_row < cuts_in_a_row || cell_.slots() < large_cell; };
@@ -673,6 +674,7 @@ void CellBuilder::clip_far(double from, bool images_only) {
         if (worth_a_test() && !node_may_cut(entry)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
+                if (Hierarchy::first_seed(level, node + 1) <= homes) return;
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
                 std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
             });

@@ -6,6 +6,7 @@
 
 #include "core/arithmetic.hpp"
 #include "cpu/cpu_clipper.hpp"
+#include "index/seed_images.hpp"
 #include "triangulate/power_sites.hpp"
 
 namespace votess::cpu {
@@ -15,11 +16,20 @@ constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
 constexpr std::size_t sampled_cells = 16;
 constexpr std::size_t exact_tests = 4;  // so many tests take as long as one that may be exact
-// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights all
-// are exact.
+// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights or
+// rounded places all are exact.
 constexpr std::size_t triangulation_tests = 60, weighted_tests = 150;
 constexpr std::size_t max_triangulated = 20'000'000;  // seeds; 300 bytes each
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+
+// Returns whether the coordinates alone make up the diagram: no weights, and no place that is rounded.
+bool are_plain_points(const SortedSeeds& seeds) {
+    if (!seeds.weights.empty()) return false;
+    if (seeds.images == nullptr || !seeds.images->any_wrapped()) return true;
+    for (std::size_t s = 0; s < seeds.size(); ++s)
+        if (!seeds.images->is_exact(s)) return false;
+    return true;
+}
 
 }  // namespace
 
@@ -37,11 +47,11 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
     const Domain& domain = *job_.domain;
     const bool periodic = domain.is_periodic();
-    // Walls only cut the cells.
-    const bool has_delaunay =
-        (!periodic || domain.has_weights()) && job_.beyond.empty() && count > 1 && count <= max_triangulated;
-    const std::size_t cost = (domain.has_weights() ? weighted_tests : triangulation_tests) * count;
+    // Walls only cut the cells, and so do images of seeds.
+    const bool has_delaunay = job_.beyond.empty() && count > 1 && count <= max_triangulated;
     std::vector<std::int32_t> hard = collect_hard();
+    if (hard.empty()) return;
+    const std::size_t cost = (are_plain_points(seeds_) ? triangulation_tests : weighted_tests) * count;
     // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
     std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
@@ -98,13 +108,13 @@ void CpuClipper::clip_hard_again(ResultBuilder& out, const Share& share) {
 }
 
 bool CpuClipper::triangulate() {
-    if (!delaunay_ && seeds_.weights.empty()) delaunay_.emplace(seeds_);
+    if (!delaunay_ && are_plain_points(seeds_)) delaunay_.emplace(seeds_);
     if (!delaunay_) {
         std::vector<PowerSites::Site> sites;
         for (std::size_t s = 0; s < seeds_.size(); ++s) {
             const auto at = seeds_.images == nullptr ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
                                                      : images_.base(s);
-            sites.push_back({at.point, at.shift, seeds_.weights[s]});
+            sites.push_back({at.point, at.shift, seeds_.weights.empty() ? 0 : seeds_.weights[s]});
         }
         delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites), &job_.domain->lattice));
     }

@@ -408,8 +408,8 @@ void CellWriter::write_row() {
     };
     if (count > 0) write_steps();
     if (want_.areas) {
-        const double unscale = unscale_of_cell(), square = unscale * unscale;
-        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
+        const double unscale = unscale_of_cell();  // whose square may overflow
+        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * unscale * unscale;
     }
     if (want_.normals)
         for_listed([&](std::size_t f, std::size_t entry) {
