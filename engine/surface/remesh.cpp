@@ -34,6 +34,9 @@ constexpr unsigned trial_steps = 5, max_trials = 3;
 constexpr double max_excess = 0.02;
 // Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
 constexpr unsigned max_rounds = 10, steps_of_round = 3;
+// Seeds move to features that the mesh misses in so many rounds first. Then they are added there; in the last rounds
+// without steps, after which those beside them may leave a feature again.
+constexpr unsigned moving_rounds = 4, still_rounds = 20;
 
 // The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish.
 solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
@@ -269,14 +272,16 @@ private:
         for (unsigned k = trial; k < options_.steps; ++k) step();
     }
 
-    // Adds a seed to each faulty part, as far as possible from its vertex.
+    // Adds a seed to each faulty part, as far as possible from its vertex; and seeds on features that the mesh misses.
     void mend() {
         std::size_t added = 0;
-        for (unsigned round = 0; round < max_rounds; ++round) {
+        for (unsigned round = 0; round < max_rounds + still_rounds; ++round) {
             relaxation_->complete();
             const SurfaceCells& cells = relaxation_->cells();
             const Remesh mesh = meshed();
-            const std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
+            std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
+            std::vector<std::size_t> seeds;  // by part
+            for (std::size_t i = 0; i < cells.size(); ++i) seeds.insert(seeds.end(), at(cells.pieces[i]), i);
             std::vector<double> far(bad.size(), -1);
             std::vector<std::int32_t> corners(bad.size(), -1);
             for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
@@ -289,15 +294,34 @@ private:
                 }
             }
             std::vector<double> more;
-            for (std::size_t piece = 0; piece < bad.size() && added < count_; ++piece) {
-                if (corners[piece] < 0) continue;
-                const Vector3 place = place_of(cells.vertices, at(corners[piece]));
+            const auto add = [&](const Vector3& place) {
+                if (added == count_) return;
                 more.insert(more.end(), place.begin(), place.end());
                 ++added;
+            };
+            std::vector<Vector3> moved(bad.size(), Vector3{nan, nan, nan});
+            bool is_moved = false;
+            bool is_open = false;
+            for (const Features::Gap& gap : features_.gaps(cells, mesh.vertices)) {
+                bad[gap.piece] = 0;  // this may mend it
+                is_open = true;
+                if (gap.is_near && round < moving_rounds && cells.pieces[seeds[gap.piece]] == 1) {
+                    moved[gap.piece] = gap.place;
+                    is_moved = true;
+                } else if (gap.is_corner || round >= max_rounds) {
+                    add(gap.place);
+                }
             }
-            if (more.empty()) return;
-            relaxation_->add(more);
-            for (unsigned k = 0; k < steps_of_round; ++k) step();
+            for (std::size_t piece = 0; piece < bad.size(); ++piece)
+                if (bad[piece] != 0 && corners[piece] >= 0) add(place_of(cells.vertices, at(corners[piece])));
+            if (more.empty() && !is_moved) {
+                if (!is_open || round >= max_rounds) return;
+                round = max_rounds - 1;
+                continue;
+            }
+            if (is_moved) relaxation_->step(goals_of(cells, moved), SurfaceWant::polygons);
+            if (!more.empty()) relaxation_->add(more);
+            for (unsigned k = 0; round < max_rounds && k < steps_of_round; ++k) step();
         }
     }
 
