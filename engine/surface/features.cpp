@@ -211,43 +211,42 @@ void Features::add_gaps(std::span<const Stretch> stretches, const SurfaceCells& 
     };
     for (const Stretch& stretch : stretches) line[line_of(stretch.from)] = line_of(stretch.to);
     struct Line {
-        double far = std::numeric_limits<double>::infinity(), length = 0;
-        Vector3 sum{}, goal{}, nearest{};
+        double far = std::numeric_limits<double>::infinity();
+        Vector3 nearest{}, way{};  // to the vertex, and the direction there
         bool has_border = false;
     };
     std::vector<Line> lines(ends.size());
-    const auto each = [&](const auto& use) {
-        for (const Stretch& stretch : stretches)
-            use(lines[line_of(stretch.from)], stretch, place_of(cells.vertices, stretch.from),
-                place_of(cells.vertices, stretch.to));
-    };
-    each([&](Line& of, const Stretch& stretch, const Vector3& a, const Vector3& b) {
-        const Vector3 place = nearest_on_segment(vertex, a, b);
-        if (distance(place, vertex) < of.far) of.far = distance(place, vertex), of.nearest = place;
-        const double length = distance(a, b);
-        of.length += length;
-        for (std::size_t k = 0; k < 3; ++k) of.sum[k] += length * 0.5 * (a[k] + b[k]);
+    for (const Stretch& stretch : stretches) {
+        Line& of = lines[line_of(stretch.from)];
         of.has_border |= stretch.is_border;
-    });
-    // Halfway between the place nearest to the vertex and the middle: the circle through a vertex on one side of a
-    // wedge, the place nearest to it on the other side, and the tip would end at the middle of the first.
-    double least = std::numeric_limits<double>::infinity();
-    for (Line& of : lines) {
-        least = std::min(least, of.far);
-        if (of.length > 0)
-            for (std::size_t k = 0; k < 3; ++k) of.goal[k] = 0.5 * (of.nearest[k] + of.sum[k] / of.length);
-        of.far = std::isfinite(of.far) ? of.far : -1;
+        const Vector3 a = place_of(cells.vertices, stretch.from), b = place_of(cells.vertices, stretch.to);
+        const Vector3 place = nearest_on_segment(vertex, a, b);
+        if (!(distance(place, vertex) < of.far)) continue;
+        of.far = distance(place, vertex), of.nearest = place;
+        if (const double length = distance(a, b); length > 0) of.way = along({0, 0, 0}, minus(b, a), 1 / length);
     }
-    std::vector<double> off(lines.size(), std::numeric_limits<double>::infinity());
-    each([&](Line& of, const Stretch&, const Vector3& a, const Vector3& b) {
-        const Vector3 place = nearest_on_segment(of.goal, a, b);
-        double& best = off[static_cast<std::size_t>(&of - lines.data())];
-        if (const double d = distance(place, of.goal); d < best) best = d, of.nearest = place;
-    });
+    const auto own = std::ranges::min_element(lines, {}, &Line::far);
     for (const Line& of : lines) {
-        const bool is_near = least > enough && of.far == least;
-        if (of.far > enough && (of.has_border || is_near))
-            gaps.push_back({stretches.front().piece, of.nearest, is_near, false});
+        if (!(of.far > enough) || std::isinf(of.far)) continue;
+        const bool is_near = own->far > enough;
+        if (is_near ? &of != &*own && !of.has_border : !of.has_border) continue;
+        // In a wedge the place is as far from the tip as the vertex is. Places not quite opposite to each other would
+        // each be nearest to a stretch of the other's side.
+        Vector3 goal = of.nearest;
+        if (!is_near) {
+            const double turn = dot(own->way, minus(vertex, of.nearest)) / of.far;
+            const double sine = std::clamp(dot(own->way, of.way) < 0 ? -turn : turn, -1.0, 1.0);
+            goal = along(goal, of.way, of.far * sine / (1 + std::sqrt(1 - sine * sine)));
+        }
+        Vector3 place = of.nearest;
+        double least = std::numeric_limits<double>::infinity();
+        for (const Stretch& stretch : stretches) {
+            if (&lines[line_of(stretch.from)] != &of) continue;
+            const Vector3 x = nearest_on_segment(goal, place_of(cells.vertices, stretch.from),
+                                                 place_of(cells.vertices, stretch.to));
+            if (distance(x, goal) < least) least = distance(x, goal), place = x;
+        }
+        gaps.push_back({stretches.front().piece, place, is_near && &of == &*own, false});
     }
 }
 

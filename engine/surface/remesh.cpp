@@ -302,15 +302,23 @@ private:
             std::vector<Vector3> moved(bad.size(), Vector3{nan, nan, nan});
             bool is_moved = false;
             bool is_open = false;
+            std::vector<std::uint8_t> has_gap(cells.size());
             for (const Features::Gap& gap : features_.gaps(cells, mesh.vertices)) {
-                bad[gap.piece] = 0;  // this may mend it
                 is_open = true;
+                has_gap[seeds[gap.piece]] = 1;
                 if (gap.is_near && round < moving_rounds && cells.pieces[seeds[gap.piece]] == 1) {
                     moved[gap.piece] = gap.place;
                     is_moved = true;
                 } else if (gap.is_corner || round >= max_rounds) {
                     add(gap.place);
                 }
+            }
+            // A vertex in a gap may mend the parts beside it too.
+            for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
+                std::uint8_t& is_bad = bad[at(cells.polygon_pieces[p])];
+                if (is_bad != 0 && has_gap[at(cells.polygon_seeds[p])] != 0) is_bad = 0;
+                for (std::int64_t c = cells.polygon_offsets[p]; is_bad != 0 && c < cells.polygon_offsets[p + 1]; ++c)
+                    if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
                 if (bad[piece] != 0 && corners[piece] >= 0) add(place_of(cells.vertices, at(corners[piece])));
