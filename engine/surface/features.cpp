@@ -178,7 +178,7 @@ std::vector<Features::Gap> Features::gaps(const SurfaceCells& cells, const std::
         for (; end < held.size() && held[end].first == corner; ++end) is_vertex |= vertex(held[end].second) == place;
         if (!is_vertex && (corners_[at(corner)] == Corner::of_border ||
                            distance(place, vertex(piece)) > least_feature * std::sqrt(areas[piece])))
-            gaps.push_back({piece, place, false, true});
+            gaps.push_back({piece, place, false, true, corners_[at(corner)] == Corner::of_border});
     }
 
     std::vector<Stretch> stretches;
@@ -246,7 +246,7 @@ void Features::add_gaps(std::span<const Stretch> stretches, const SurfaceCells& 
                                                  place_of(cells.vertices, stretch.to));
             if (distance(x, goal) < least) least = distance(x, goal), place = x;
         }
-        gaps.push_back({stretches.front().piece, place, is_near && &of == &*own, false});
+        gaps.push_back({stretches.front().piece, place, is_near && &of == &*own, false, of.has_border});
     }
 }
 

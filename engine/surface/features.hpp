@@ -25,7 +25,7 @@ public:
         std::size_t piece;
         std::array<double, 3> place;  // where a vertex would close it, in the part
         bool is_near;                 // the part's vertex is on no feature: it may move to the place
-        bool is_corner;
+        bool is_corner, is_border;
     };
     // Returns where triangles may miss a feature in a connected part: a corner that is no vertex, or a line that the
     // part's vertex is not on. A part with a vertex on one sharp edge may hold others, or further corners near by;

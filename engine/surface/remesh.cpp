@@ -304,12 +304,14 @@ private:
             bool is_open = false;
             std::vector<std::uint8_t> has_gap(cells.size());
             for (const Features::Gap& gap : features_.gaps(cells, mesh.vertices)) {
-                is_open = true;
-                has_gap[seeds[gap.piece]] = 1;
+                const bool is_still = round >= max_rounds;
+                is_open |= gap.is_border;
+                bad[gap.piece] = 0;
+                has_gap[seeds[gap.piece]] |= gap.is_border ? 1 : 0;
                 if (gap.is_near && round < moving_rounds && cells.pieces[seeds[gap.piece]] == 1) {
                     moved[gap.piece] = gap.place;
                     is_moved = true;
-                } else if (gap.is_corner || round >= max_rounds) {
+                } else if (gap.is_corner || gap.is_border == is_still) {
                     add(gap.place);
                 }
             }
@@ -321,7 +323,7 @@ private:
                     if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
-                if (bad[piece] != 0 && corners[piece] >= 0) add(place_of(cells.vertices, at(corners[piece])));
+                if (bad[piece] != 0 && corners[piece] >= 0 && round < max_rounds) add(place_of(cells.vertices, at(corners[piece])));
             if (more.empty() && !is_moved) {
                 if (!is_open || round >= max_rounds) return;
                 round = max_rounds - 1;
