@@ -38,15 +38,29 @@ constexpr unsigned max_rounds = 10, steps_of_round = 3;
 // without steps, after which those beside them may leave a feature again.
 constexpr unsigned moving_rounds = 4, still_rounds = 20;
 
-// The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish.
-solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
-    double largest = 0;
+// Returns value / scale. Throws invalid_argument if that loses bits.
+template <class Name>
+double divided(double value, double scale, const Name& name) {
+    if (std::isfinite(value) && value / scale * scale != value)
+        refuse(name() + " = " + number(value) +
+               " is too small beside the others to represent both at one scale: move it to 0");
+    return value / scale;
+}
+
+// The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish. largest: of
+// other coordinates to be as small.
+solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale, double largest = 0) {
     for (const auto& triangle : mesh.given())
         for (const std::int32_t v : triangle)
             for (const double x : mesh.vertex(v)) largest = std::max(largest, std::abs(x));
     int exponent = 0;
     std::frexp(largest, &exponent);
     scale = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
+    for (const auto& triangle : mesh.given())
+        for (const std::int32_t v : triangle)
+            for (std::size_t k = 0; k < 3; ++k)
+                (void)divided(mesh.vertex(v)[k], scale,
+                              [&] { return "surface: vertex " + std::to_string(v) + ": " + axis_name[k]; });
     return {mesh, scale};
 }
 
@@ -55,16 +69,16 @@ void multiply(std::vector<double>& values, std::initializer_list<double> factors
         for (const double factor : factors) value *= factor;
 }
 
-// Turns a mesh of the arrays of near_unit() into one of the given mesh.
-void unscale(Remesh& mesh, double scale) {
-    SurfaceCells& cells = mesh.cells;
-    for (std::vector<double>* lengths : {&mesh.vertices, &mesh.points, &cells.centroids, &cells.nearest, &cells.borders,
-                                         &cells.lengths, &cells.vertices})
+// Turns what was made from the arrays of near_unit() into that of the given mesh.
+template <class Made>  // SurfaceRelaxation or Remesh
+void unscale(Made& made, double scale) {
+    SurfaceCells& cells = made.cells;
+    for (std::vector<double>* lengths :
+         {&made.points, &cells.centroids, &cells.nearest, &cells.borders, &cells.lengths, &cells.vertices})
         multiply(*lengths, {scale});
     for (std::vector<double>* areas : {&cells.areas, &cells.polygon_areas}) multiply(*areas, {scale, scale});
-    for (std::vector<double>* energies : {&mesh.energies, &cells.energies})
+    for (std::vector<double>* energies : {&made.energies, &cells.energies})
         multiply(*energies, {scale, scale, scale, scale});
-    mesh.distance *= scale;
 }
 
 std::vector<double> sample(const solid::MeshArrays& mesh, double scale, std::size_t count, std::uint64_t rng_seed) {
@@ -239,6 +253,8 @@ public:
         mesh.cells = std::move(relaxed.cells);
         report_on_mesh(mesh, features_, scaled_);
         unscale(mesh, scale_);
+        multiply(mesh.vertices, {scale_});
+        mesh.distance *= scale_;
         return mesh;
     }
 
@@ -383,7 +399,16 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
                ": it must be finite and not negative");
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {0, 1});
-    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()}, SurfaceWant::nearest);
+    double largest = 0, scale = 1;
+    for (const double x : points)
+        if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+    const solid::MeshArrays scaled =
+        surface::near_unit(solid::ClosedMesh::any_surface(mesh, "surface"), scale, largest);
+    std::vector<double> seeds;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        seeds.push_back(surface::divided(points[i], scale, [&] { return "point " + std::to_string(i / 3) + ": " + axis_name[i % 3]; }));
+    const TriangleMesh view = scaled.view();
+    surface::Relaxation relaxation(view, options.threads, std::move(seeds), SurfaceWant::nearest);
     for (unsigned step = 0; step < options.steps; ++step) {
         report_stage(step + 1, std::size_t{options.steps} + 1);
         std::vector<double> goals = relaxation.cells().nearest;
@@ -391,7 +416,9 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
             if (options.fixed[i] != 0) goals[3 * i] = surface::nan;
         if (relaxation.step(goals, SurfaceWant::nearest) <= options.tolerance) break;
     }
-    return relaxation.take();
+    SurfaceRelaxation relaxed = relaxation.take();
+    surface::unscale(relaxed, scale);
+    return relaxed;
 }
 
 std::vector<double> sample_surface(const TriangleMesh& mesh, std::size_t count, std::uint64_t rng_seed) {
