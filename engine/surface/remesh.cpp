@@ -290,7 +290,7 @@ private:
 
     // Adds a seed to each faulty part, as far as possible from its vertex; and seeds on features that the mesh misses.
     void mend() {
-        std::size_t added = 0;
+        std::size_t added = 0, open = std::numeric_limits<std::size_t>::max();  // open: borders with gaps, before
         for (unsigned round = 0; round < max_rounds + still_rounds; ++round) {
             relaxation_->complete();
             const SurfaceCells& cells = relaxation_->cells();
@@ -317,11 +317,11 @@ private:
             };
             std::vector<Vector3> moved(bad.size(), Vector3{nan, nan, nan});
             bool is_moved = false;
-            bool is_open = false;
+            std::size_t at_borders = 0;
             std::vector<std::uint8_t> has_gap(cells.size());
             for (const Features::Gap& gap : features_.gaps(cells, mesh.vertices)) {
                 const bool is_still = round >= max_rounds;
-                is_open |= gap.is_border;
+                at_borders += gap.is_border ? 1 : 0;
                 bad[gap.piece] = 0;
                 has_gap[seeds[gap.piece]] |= gap.is_border ? 1 : 0;
                 if (gap.is_near && round < moving_rounds && cells.pieces[seeds[gap.piece]] == 1) {
@@ -340,8 +340,10 @@ private:
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
                 if (bad[piece] != 0 && corners[piece] >= 0 && round < max_rounds) add(place_of(cells.vertices, at(corners[piece])));
+            // More seeds at places that sheets of the surface share would not close them.
+            if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
             if (more.empty() && !is_moved) {
-                if (!is_open || round >= max_rounds) return;
+                if (at_borders == 0 || round >= max_rounds) return;
                 round = max_rounds - 1;
                 continue;
             }
