@@ -216,8 +216,9 @@ std::vector<std::uint8_t> faulty_parts(const SurfaceCells& cells, const std::vec
                 is_crowded[at(cells.polygon_pieces[p])] = 1;
     for (std::size_t t = 0; t < cells.piece_dual_counts.size(); ++t)
         if (cells.piece_dual_counts[t] > 1) bad[at(cells.piece_dual[3 * t])] = 1;
+    const auto joined = features.joined_at_borders(cells);
     for (const auto& [low, high, count] : edges_of(triangles))
-        if (count > 2 || (count == 1 && (at_border[at(low)] == 0 || at_border[at(high)] == 0)))
+        if (count > 2 || (count == 1 && !std::ranges::binary_search(joined, std::pair(low, high))))
             bad[at(at_border[at(low)] == 0 ? low : high)] = 1;
     mark_lone_parts(cells, triangles, first, bad);
     for (std::size_t piece = 0; piece < bad.size(); ++piece)
@@ -231,7 +232,8 @@ void report_on_mesh(Remesh& mesh, const Features& features, const solid::MeshArr
         mesh.border_edges += edge.triangles == 1 ? 1 : 0;
         mesh.crowded_edges += edge.triangles > 2 ? 1 : 0;
     }
-    const std::vector<std::uint8_t> bad = faulty_parts(mesh.cells, mesh.triangles, features);
+    std::vector<std::uint8_t> bad = faulty_parts(mesh.cells, mesh.triangles, features);
+    for (const Features::Gap& gap : features.gaps(mesh.cells, mesh.vertices)) bad[gap.piece] = 1;
     const std::vector<std::int32_t> first = first_parts(mesh.cells);
     for (std::size_t i = 0; i < mesh.cells.size(); ++i)
         if (std::any_of(bad.begin() + first[i], bad.begin() + first[i + 1], [](std::uint8_t b) { return b != 0; }))

@@ -34,16 +34,33 @@ constexpr unsigned trial_steps = 5, max_trials = 3;
 constexpr double max_excess = 0.02;
 // Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
 constexpr unsigned max_rounds = 10, steps_of_round = 3;
+// Seeds move to features that the mesh misses in so many rounds first. Then they are added there; in the last rounds
+// without steps, after which those beside them may leave a feature again.
+constexpr unsigned moving_rounds = 4, still_rounds = 20;
 
-// The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish.
-solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale) {
-    double largest = 0;
+// Returns value / scale. Throws invalid_argument if that loses bits.
+template <class Name>
+double divided(double value, double scale, const Name& name) {
+    if (std::isfinite(value) && value / scale * scale != value)
+        refuse(name() + " = " + number(value) +
+               " is too small beside the others to represent both at one scale: move it to 0");
+    return value / scale;
+}
+
+// The arrays of a mesh with coordinates of at most about 1, so that squares neither overflow nor vanish. largest: of
+// other coordinates to be as small.
+solid::MeshArrays near_unit(const solid::ClosedMesh& mesh, double& scale, double largest = 0) {
     for (const auto& triangle : mesh.given())
         for (const std::int32_t v : triangle)
             for (const double x : mesh.vertex(v)) largest = std::max(largest, std::abs(x));
     int exponent = 0;
     std::frexp(largest, &exponent);
     scale = std::ldexp(1.0, std::clamp(exponent, -1000, 1000));
+    for (const auto& triangle : mesh.given())
+        for (const std::int32_t v : triangle)
+            for (std::size_t k = 0; k < 3; ++k)
+                (void)divided(mesh.vertex(v)[k], scale,
+                              [&] { return "surface: vertex " + std::to_string(v) + ": " + axis_name[k]; });
     return {mesh, scale};
 }
 
@@ -52,16 +69,16 @@ void multiply(std::vector<double>& values, std::initializer_list<double> factors
         for (const double factor : factors) value *= factor;
 }
 
-// Turns a mesh of the arrays of near_unit() into one of the given mesh.
-void unscale(Remesh& mesh, double scale) {
-    SurfaceCells& cells = mesh.cells;
-    for (std::vector<double>* lengths : {&mesh.vertices, &mesh.points, &cells.centroids, &cells.nearest, &cells.borders,
-                                         &cells.lengths, &cells.vertices})
+// Turns what was made from the arrays of near_unit() into that of the given mesh.
+template <class Made>  // SurfaceRelaxation or Remesh
+void unscale(Made& made, double scale) {
+    SurfaceCells& cells = made.cells;
+    for (std::vector<double>* lengths :
+         {&made.points, &cells.centroids, &cells.nearest, &cells.borders, &cells.lengths, &cells.vertices})
         multiply(*lengths, {scale});
     for (std::vector<double>* areas : {&cells.areas, &cells.polygon_areas}) multiply(*areas, {scale, scale});
-    for (std::vector<double>* energies : {&mesh.energies, &cells.energies})
+    for (std::vector<double>* energies : {&made.energies, &cells.energies})
         multiply(*energies, {scale, scale, scale, scale});
-    mesh.distance *= scale;
 }
 
 std::vector<double> sample(const solid::MeshArrays& mesh, double scale, std::size_t count, std::uint64_t rng_seed) {
@@ -236,6 +253,8 @@ public:
         mesh.cells = std::move(relaxed.cells);
         report_on_mesh(mesh, features_, scaled_);
         unscale(mesh, scale_);
+        multiply(mesh.vertices, {scale_});
+        mesh.distance *= scale_;
         return mesh;
     }
 
@@ -269,14 +288,16 @@ private:
         for (unsigned k = trial; k < options_.steps; ++k) step();
     }
 
-    // Adds a seed to each faulty part, as far as possible from its vertex.
+    // Adds a seed to each faulty part, as far as possible from its vertex; and seeds on features that the mesh misses.
     void mend() {
-        std::size_t added = 0;
-        for (unsigned round = 0; round < max_rounds; ++round) {
+        std::size_t added = 0, open = std::numeric_limits<std::size_t>::max();  // open: borders with gaps, before
+        for (unsigned round = 0; round < max_rounds + still_rounds; ++round) {
             relaxation_->complete();
             const SurfaceCells& cells = relaxation_->cells();
             const Remesh mesh = meshed();
-            const std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
+            std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
+            std::vector<std::size_t> seeds;  // by part
+            for (std::size_t i = 0; i < cells.size(); ++i) seeds.insert(seeds.end(), at(cells.pieces[i]), i);
             std::vector<double> far(bad.size(), -1);
             std::vector<std::int32_t> corners(bad.size(), -1);
             for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
@@ -289,15 +310,46 @@ private:
                 }
             }
             std::vector<double> more;
-            for (std::size_t piece = 0; piece < bad.size() && added < count_; ++piece) {
-                if (corners[piece] < 0) continue;
-                const Vector3 place = place_of(cells.vertices, at(corners[piece]));
+            const auto add = [&](const Vector3& place) {
+                if (added == count_) return;
                 more.insert(more.end(), place.begin(), place.end());
                 ++added;
+            };
+            std::vector<Vector3> moved(bad.size(), Vector3{nan, nan, nan});
+            bool is_moved = false;
+            std::size_t at_borders = 0;
+            std::vector<std::uint8_t> has_gap(cells.size());
+            for (const Features::Gap& gap : features_.gaps(cells, mesh.vertices)) {
+                const bool is_still = round >= max_rounds;
+                at_borders += gap.is_border ? 1 : 0;
+                bad[gap.piece] = 0;
+                has_gap[seeds[gap.piece]] |= gap.is_border ? 1 : 0;
+                if (gap.is_near && round < moving_rounds && cells.pieces[seeds[gap.piece]] == 1) {
+                    moved[gap.piece] = gap.place;
+                    is_moved = true;
+                } else if (gap.is_corner || gap.is_border == is_still) {
+                    add(gap.place);
+                }
             }
-            if (more.empty()) return;
-            relaxation_->add(more);
-            for (unsigned k = 0; k < steps_of_round; ++k) step();
+            // A vertex in a gap may mend the parts beside it too.
+            for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
+                std::uint8_t& is_bad = bad[at(cells.polygon_pieces[p])];
+                if (is_bad != 0 && has_gap[at(cells.polygon_seeds[p])] != 0) is_bad = 0;
+                for (std::int64_t c = cells.polygon_offsets[p]; is_bad != 0 && c < cells.polygon_offsets[p + 1]; ++c)
+                    if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
+            }
+            for (std::size_t piece = 0; piece < bad.size(); ++piece)
+                if (bad[piece] != 0 && corners[piece] >= 0 && round < max_rounds) add(place_of(cells.vertices, at(corners[piece])));
+            // More seeds at places that sheets of the surface share would not close them.
+            if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
+            if (more.empty() && !is_moved) {
+                if (at_borders == 0 || round >= max_rounds) return;
+                round = max_rounds - 1;
+                continue;
+            }
+            if (is_moved) relaxation_->step(goals_of(cells, moved), SurfaceWant::polygons);
+            if (!more.empty()) relaxation_->add(more);
+            for (unsigned k = 0; round < max_rounds && k < steps_of_round; ++k) step();
         }
     }
 
@@ -349,7 +401,16 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
                ": it must be finite and not negative");
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {0, 1});
-    surface::Relaxation relaxation(mesh, options.threads, {points.begin(), points.end()}, SurfaceWant::nearest);
+    double largest = 0, scale = 1;
+    for (const double x : points)
+        if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+    const solid::MeshArrays scaled =
+        surface::near_unit(solid::ClosedMesh::any_surface(mesh, "surface"), scale, largest);
+    std::vector<double> seeds;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        seeds.push_back(surface::divided(points[i], scale, [&] { return "point " + std::to_string(i / 3) + ": " + axis_name[i % 3]; }));
+    const TriangleMesh view = scaled.view();
+    surface::Relaxation relaxation(view, options.threads, std::move(seeds), SurfaceWant::nearest);
     for (unsigned step = 0; step < options.steps; ++step) {
         report_stage(step + 1, std::size_t{options.steps} + 1);
         std::vector<double> goals = relaxation.cells().nearest;
@@ -357,7 +418,9 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
             if (options.fixed[i] != 0) goals[3 * i] = surface::nan;
         if (relaxation.step(goals, SurfaceWant::nearest) <= options.tolerance) break;
     }
-    return relaxation.take();
+    SurfaceRelaxation relaxed = relaxation.take();
+    surface::unscale(relaxed, scale);
+    return relaxed;
 }
 
 std::vector<double> sample_surface(const TriangleMesh& mesh, std::size_t count, std::uint64_t rng_seed) {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, Literal, Optional, Tuple, Union
 
@@ -246,6 +247,12 @@ def _cells(handle: Handle, level: int = len(_ARRAYS)) -> SurfaceCells:
     cells = object.__new__(SurfaceCells)
     for names in list(_ARRAYS.values())[:level]:
         vars(cells).update(handle.arrays(*names))
+    for name in ("areas", "energies")[:level]:
+        if np.isinf(getattr(cells, name)).any():
+            warnings.warn(
+                f"{name} of cells exceed float64 and are infinite: divide coordinates by a constant", RuntimeWarning, 3
+            )
+            break
     return cells
 
 
