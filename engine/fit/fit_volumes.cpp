@@ -246,6 +246,8 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
     if (count > 0) {
         if (std::ranges::count(job.outside, CellStatus::outside) == static_cast<std::ptrdiff_t>(count))
             refuse("all points are outside and dropped: move some into the domain");
+        if (!std::isnormal(job.box_volume))
+            refuse("the domain is too large or too small for volumes in float64: give lengths in another unit");
         double all = mesh ? mesh_volume : job.box_volume, mean = 1;
         std::optional<Under> density;
         if (options.density) {
@@ -254,6 +256,9 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
             all = of.masses[0];
             if (!(all > 0)) refuse("the density is 0 in the whole domain: there is no mass to divide");
             mean = all / job.box_volume;
+            if (!std::isnormal(all) || !std::isnormal(mean))
+                refuse(
+                    "the mass of the domain is too large or too small for float64: give the density in another unit");
             for (double& value : density->values) value /= mean;
         }
         std::vector<double> volumes = checked_targets(job, targets, all / unit, options);

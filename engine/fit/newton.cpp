@@ -231,10 +231,10 @@ bool Newton::run(Vector weights) {
     sink();
     choose_share();
     first_residual_ = now_.residual;
-    for (; now_.residual > options_.tolerance || lift_ > 0; ++out_.steps) {
+    for (; !(now_.residual <= options_.tolerance) || lift_ > 0; ++out_.steps) {
         if (out_.steps == options_.max_steps)
             why_ = "raise FitOptions::max_steps";
-        else if (now_.residual > options_.tolerance && !advance())
+        else if (!(now_.residual <= options_.tolerance) && !advance())
             why_ = "no step comes nearer, raise FitOptions::tolerance";
         if (!why_.empty()) break;
         sink();

@@ -396,11 +396,18 @@ void Certificate::check_polygons(Worker& w, std::size_t i) {
     if (!result_.cell_vertex_indptr.empty()) {
         std::uint64_t sum = 0;
         for (const std::int32_t v : w.vertices) sum += random_of(v);
-        for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c)
-            sum -= random_of(result_.cell_vertex_indices[static_cast<std::size_t>(c)]);
-        if (sum != 0)
+        std::int32_t before = -1;
+        bool ascend = true;
+        for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c) {
+            const std::int32_t v = result_.cell_vertex_indices[static_cast<std::size_t>(c)];
+            sum -= random_of(v);
+            ascend = ascend && before < v;
+            before = v;
+        }
+        if (sum != 0 || !ascend)
             w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "cell " + std::to_string(i) + " lists other vertices than those of its polygons";
+                return "cell " + std::to_string(i) + " lists " +
+                       (sum != 0 ? "other vertices than those of its polygons" : "vertices that do not ascend");
             });
     }
     if (!result_.vertices.empty()) check_vertices(w, i);
