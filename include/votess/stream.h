@@ -49,7 +49,7 @@ VOTESS_API votess_status votess_stream_array(const votess_stream_rows* rows, con
 typedef struct votess_stream {
     uint32_t struct_size;   // set it to sizeof(votess_stream)
     int32_t verify;         // 1: check all rows on their way to the caller; or 0
-    uint64_t memory;        // bytes, see StreamOptions in stream.hpp
+    uint64_t memory;        // bytes, at least 1,000,000, see StreamOptions in stream.hpp
     const char* temporary;  // folder of temporary files; NULL or "": that of TMPDIR, or /tmp; on Windows the user's
     // Goes back to the first seed; called first and once more. NULL: the seeds can be read only once.
     int (*restart)(void* user);
