@@ -1,6 +1,7 @@
 // Points with weights, and images, for a triangulation: the predicates are those of the clipper.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -29,7 +30,16 @@ public:
     }
     [[nodiscard]] int insphere(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d,
                                std::int32_t p) const override {
-        return exact::side_of_vertex(point_of(d), bisector(d, a), bisector(d, b), bisector(d, c), bisector(d, p));
+        const std::array planes{bisector(d, a), bisector(d, b), bisector(d, c), bisector(d, p)};
+        const auto side = [&](const auto& of) {
+            return exact::side_of_vertex(point_of(d), of[0], of[1], of[2], of[3]);
+        };
+        if (const int sign = side(planes); sign != 0) return sign;
+        // Ties are decided as if weights grew by an infinitesimal part of |x|^2. That hides sites between others whose
+        // cells have no volume: they would part the neighbors on both sides of them.
+        auto plain = planes;
+        for (exact::Plane& plane : plain) plane.power = {};
+        return -side(plain);
     }
 
 private:

@@ -1,6 +1,7 @@
 // Tessellates seeds that do not fit into memory. They arrive in pieces and wait in temporary files. Each block of them
 // is tessellated by itself, and rows leave in pieces, in input order. Rows are bit for bit those of one tessellate()
-// with all seeds, for any memory limit.
+// with all seeds, for any memory limit. Of fewer than 30 seeds in a domain without end, last digits of sizes may
+// differ.
 //
 //     struct Seeds : votess::StreamSource { bool next(votess::StreamSeeds& some) override { ... } };
 //     struct Rows : votess::StreamSink { void rows(const votess::StreamRows& some) override { ... } };

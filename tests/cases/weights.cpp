@@ -291,4 +291,33 @@ TEST_SUITE("cases") {
             }
         }
     }
+
+    // Seeds of a line whose weights tie exactly: one without a cell must not part the two beside it.
+    TEST_CASE("weights: rounded ones of a lattice hide seeds exactly between others") {
+        const int side = 12, step = 256;
+        const auto middle = [](int k) { return (k + 0.5) / side - 0.5; };
+        Coordinates points;
+        std::vector<double> weights;
+        for (int x = 0; x < side; ++x)
+            for (int y = 0; y < side; ++y)
+                for (int z = 0; z < side; ++z) {
+                    for (const int k : {x, y, z}) points.push_back((k + 0.5) / side);
+                    const double square = middle(x) * middle(x) + middle(y) * middle(y) + middle(z) * middle(z);
+                    weights.push_back(std::round(square * step) / step);
+                }
+        Options options;
+        options.box = test::unit_box();
+        options.weights = weights;
+        for (const bool periodic : {true, false}) {
+            CAPTURE(periodic);
+            options.periodic = {periodic, periodic, periodic};
+            const auto t = votess::tessellate(points, options);
+            CHECK(t.stats().empty_cells > 0);
+            const auto has_cell = [&](std::int32_t j) {
+                return j < 0 || t.status()[static_cast<std::size_t>(j)] == votess::CellStatus::certified;
+            };
+            CHECK(std::ranges::all_of(t.indices(), has_cell));
+            CHECK(votess::verify(t, points).failure == "");
+        }
+    }
 }
