@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "support/check.hpp"
@@ -92,6 +93,26 @@ TEST_SUITE("cases") {
             for (const double area : t.face_areas()) REQUIRE(area >= 0);
             CHECK(votess::verify(t, set.points).failure == "");
         }
+    }
+
+    TEST_CASE("areas that fit into doubles are finite, also in a domain whose far ends are beyond their squares") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        constexpr int exponent = 400;
+        const test::PointSet set = test::uniform(40, 34), large = test::scaled(set, std::ldexp(1.0, exponent));
+        const votess::Options options = test::all_options(test::cube(-inf, inf));
+        const auto one = votess::tessellate(std::span<const double>(set.points), options);
+        const auto other = votess::tessellate(std::span<const double>(large.points), options);
+        REQUIRE(std::ranges::equal(one.indices(), other.indices()));
+        std::size_t finite = 0;
+        for (std::size_t f = 0; f < one.indices().size(); ++f) {
+            const double area = std::ldexp(one.face_areas()[f], 2 * exponent);
+            finite += std::isfinite(area) ? 1 : 0;
+            if (std::isfinite(area))
+                CHECK(other.face_areas()[f] == doctest::Approx(area).epsilon(1e-12));
+            else
+                CHECK(other.face_areas()[f] == inf);
+        }
+        CHECK(finite > one.indices().size() / 2);
     }
 
     TEST_CASE("normals: unit vectors, also between the nearest of doubles") {

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "core/progress.hpp"
 #include "cpu/cell_builder.hpp"
 #include "cpu/cpu_clipper.hpp"
 #include "exact/insphere.hpp"
+#include "index/seed_images.hpp"
 #include "input/settle.hpp"
 #include "polytope/cell.hpp"
 #include "query/parts.hpp"
@@ -425,6 +427,64 @@ TEST_SUITE("stages") {
             options.want = {.neighbors = true, .volumes = false, .centroids = false, .counts = false};
             CHECK(test::rows_of(one) == test::rows_of(test::run(set, options)));
         }
+    }
+
+    // Images only cut cells, so the triangulation of the seeds alone tells the neighbors among them.
+    TEST_CASE("hard cells: a sphere in a periodic box equals the certificate, and takes tests in proportion") {
+        struct Tests {
+            double among_images, searched;  // of a seed
+        };
+        const auto tests_of = [](std::size_t n) {
+            test::PointSet set = test::on_sphere(n, 35);
+            for (double& x : set.points) x = 0.375 * x + 0.5;
+            votess::Options options;
+            options.box = test::cube(0, 1);
+            options.periodic = {true, true, false};
+            votess::ThreadPool pool(1);
+            const votess::Job job = votess::make_job(votess::settle({set.points, {}}, options));
+            SeedSorter sorter;
+            SortedSeeds seeds;
+            votess::cpu::SeedImages images;
+            images.sort(job, {}, sorter, pool, seeds);
+            Hierarchy hierarchy;
+            hierarchy.build(seeds, pool);
+            CellBuilder builder(seeds, hierarchy);
+            builder.begin_job(*job.domain);
+            const Delaunay delaunay(seeds);
+            std::vector<std::int32_t> candidates;
+            std::vector<std::uint8_t> marks;
+            Tests tests{};
+            for (std::size_t s = 0; s < seeds.size(); s += 20) {
+                delaunay.neighbors(s, candidates, marks);
+                std::vector<std::int32_t> ids = test::faces_of(builder.build_among_images(s, candidates));
+                tests.among_images += static_cast<double>(builder.tests());
+                std::vector<std::int32_t> searched = test::faces_of(builder.build(s));
+                tests.searched += static_cast<double>(builder.tests());
+                std::ranges::sort(ids);
+                std::ranges::sort(searched);
+                REQUIRE(ids == searched);
+            }
+            const auto built = static_cast<double>((seeds.size() + 19) / 20);
+            return Tests{tests.among_images / built, tests.searched / built};
+        };
+        const Tests few = tests_of(300), many = tests_of(1200);
+        CHECK(many.searched > 2.5 * few.searched);
+        CHECK(many.among_images < 1.5 * few.among_images);
+        CHECK(many.among_images < 0.2 * many.searched);
+
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        for (const bool wrapped : {false, true})  // then places are rounded
+            for (const votess::Box& box : {test::cube(0, 1), votess::Box{{0, 0, -inf}, {1, 1, inf}}}) {
+                test::PointSet set = test::on_sphere(200, 36);
+                for (std::size_t k = 0; k < set.points.size(); ++k)
+                    set.points[k] = 0.4 * set.points[k] + (wrapped && k % 3 < 2 ? 0.1 : 0.5);
+                auto options = test::all_options(box);
+                options.periodic = {true, true, box.upper[2] == 1};
+                const auto report =
+                    votess::verify(votess::tessellate(std::span<const double>(set.points), options), set.points);
+                CHECK(report.failure == "");
+                CHECK(report.proven);
+            }
     }
 
     TEST_CASE("hard cells: a large sphere among small ones on a sphere, which are proven") {
