@@ -242,8 +242,8 @@ void Features::add_gaps(std::span<const Stretch> stretches, const SurfaceCells& 
         double least = std::numeric_limits<double>::infinity();
         for (const Stretch& stretch : stretches) {
             if (&lines[line_of(stretch.from)] != &of) continue;
-            const Vector3 x = nearest_on_segment(goal, place_of(cells.vertices, stretch.from),
-                                                 place_of(cells.vertices, stretch.to));
+            const Vector3 x =
+                nearest_on_segment(goal, place_of(cells.vertices, stretch.from), place_of(cells.vertices, stretch.to));
             if (distance(x, goal) < least) least = distance(x, goal), place = x;
         }
         gaps.push_back({stretches.front().piece, place, is_near && &of == &*own, false, of.has_border});

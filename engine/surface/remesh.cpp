@@ -339,7 +339,8 @@ private:
                     if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
-                if (bad[piece] != 0 && corners[piece] >= 0 && round < max_rounds) add(place_of(cells.vertices, at(corners[piece])));
+                if (bad[piece] != 0 && corners[piece] >= 0 && round < max_rounds)
+                    add(place_of(cells.vertices, at(corners[piece])));
             // More seeds at places that sheets of the surface share would not close them.
             if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
             if (more.empty() && !is_moved) {
@@ -408,7 +409,8 @@ SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const Triangl
         surface::near_unit(solid::ClosedMesh::any_surface(mesh, "surface"), scale, largest);
     std::vector<double> seeds;
     for (std::size_t i = 0; i < points.size(); ++i)
-        seeds.push_back(surface::divided(points[i], scale, [&] { return "point " + std::to_string(i / 3) + ": " + axis_name[i % 3]; }));
+        seeds.push_back(surface::divided(points[i], scale,
+                                         [&] { return "point " + std::to_string(i / 3) + ": " + axis_name[i % 3]; }));
     const TriangleMesh view = scaled.view();
     surface::Relaxation relaxation(view, options.threads, std::move(seeds), SurfaceWant::nearest);
     for (unsigned step = 0; step < options.steps; ++step) {
