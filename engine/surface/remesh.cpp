@@ -34,8 +34,8 @@ constexpr unsigned trial_steps = 5, max_trials = 3;
 constexpr double max_excess = 0.02;
 // Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
 constexpr unsigned max_rounds = 10, steps_of_round = 3;
-// Seeds move to features that the mesh misses in so many rounds first. Then they are added there; in the last rounds
-// without steps, after which those beside them may leave a feature again.
+// First, seeds move to features that the mesh misses. Then they are added there: in the last rounds at borders alone,
+// and without steps, which would move others off again.
 constexpr unsigned moving_rounds = 4, still_rounds = 20;
 
 // Returns value / scale. Throws invalid_argument if that loses bits.

@@ -37,10 +37,12 @@ struct SurfaceOptions {
 
 // N cells on a surface of V vertices and T triangles.
 struct VOTESS_API SurfaceCells {
-    std::vector<double> areas;          // N; they sum to the area of the surface
-    std::vector<double> centroids;      // 3N, of the parts; NaN for a part without area
-    std::vector<double> nearest;        // 3N: the place of the part nearest to its centroid; NaN likewise
-    std::vector<double> energies;       // N: the integral of |x - p|^2 over the part
+    std::vector<double> areas;      // N; they sum to the area of the surface
+    std::vector<double> centroids;  // 3N, of the parts; NaN for a part without area
+    std::vector<double> nearest;    // 3N: the place of the part nearest to its centroid; NaN likewise
+    // N: the integral of |x - p|^2 over the part. Areas and energies beyond double are infinite or 0, as for
+    // coordinates of 1e200.
+    std::vector<double> energies;
     std::vector<double> borders;        // N: length on edges of one triangle
     std::vector<std::int32_t> pieces;   // N: connected parts, joined through edges of the surface
     std::vector<std::int32_t> euler;    // N: Euler's characteristic of the part: 1 for a disk
@@ -135,18 +137,20 @@ struct VOTESS_API Remesh {
     double distance = 0;
     std::size_t border_edges = 0;   // of one triangle
     std::size_t crowded_edges = 0;  // of more than two
-    // Seeds at which the mesh may differ from the surface: a part is not a disk, or the triangles around it do not fit
-    // together. More vertices mend this.
+    // Seeds at which the mesh may differ from the surface: a part is not a disk, the triangles around it do not fit
+    // together, or they miss a border or a corner in it. More vertices mend this.
     std::vector<std::int32_t> faults;
 };
 
 // Returns a mesh of well-shaped triangles with about `count` vertices: exactly so many, unless parts of the surface are
-// thinner than the triangles are long. Random places are relaxed by lloyd_on_surface(), and joined by the dual of
-// connected parts. Seeds whose cells hold a stretch of a border or of a sharp edge move along it, and one goes to each
-// of their corners. So the mesh ends where the surface does, up to the size of its triangles. Where cells fall into
-// several parts, fewer seeds make the same number of vertices. Where the mesh would differ from the surface, as around
-// thin bars, seeds are added. The same on any number of threads. Throws as surface_cells(); and invalid_argument for a
-// count of 0 or of more than 2^28, and for a bad angle.
+// thinner than the triangles are long, or it has more corners. Random places are relaxed by lloyd_on_surface(), and
+// joined by the dual of connected parts. Seeds whose cells hold a stretch of a border or of a sharp edge move along it,
+// and one goes to each of their corners. Where the triangles would miss a corner or a border, as in a sharp tip, seeds
+// are added there. So the mesh ends where the surface does. Sharp edges closer to each other than the triangles are
+// long may share vertices. Where cells fall into several parts, fewer seeds make the same number of vertices. Where the
+// mesh would differ from the surface, as around thin bars, seeds are added; in all at most `count`. The same on any
+// number of threads. Throws as surface_cells(); and invalid_argument for a count of 0 or of more than 2^28, and for a
+// bad angle.
 [[nodiscard]] VOTESS_API Remesh remesh(const TriangleMesh& surface, std::size_t count,
                                        const RemeshOptions& options = {});
 

@@ -133,8 +133,8 @@ class Remesh:
     points: Float64Array  #: (M, 3) seeds
     cells: SurfaceCells  #: of ``points`` on the given surface; vertex k is their connected part k
     energies: Float64Array  #: (S + 1,) before the first step of the relaxation, and after each
-    #: seeds at which the mesh may differ from the surface: a part is not a disk, or the triangles around it do not fit.
-    #: More vertices mend this.
+    #: seeds at which the mesh may differ from the surface: a part is not a disk, the triangles around it do not fit, or they
+    #: miss a border or a corner in it. More vertices mend this.
     faults: Int32Array
     min_angle: float  #: degrees, of all triangles
     mean_min_angle: float  #: degrees: the mean of the smallest angle of each triangle
@@ -221,6 +221,10 @@ def surface(
     ValueError : bad input; the message names the first bad value.
     MemoryError, VotessError : as for :func:`tessellate`.
 
+    Warns
+    -----
+    RuntimeWarning : areas or energies are infinite or all 0 in float64, as for coordinates of 1e200.
+
     >>> square, two = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
     >>> cells = vt.surface([(0.25, 0.5, 0), (0.75, 0.5, 0)], square, two)
     >>> print(cells.areas, cells.lengths)
@@ -249,10 +253,10 @@ def _cells(handle: Handle, level: int = len(_ARRAYS)) -> SurfaceCells:
     for names in list(_ARRAYS.values())[:level]:
         vars(cells).update(handle.arrays(*names))
     for name in ("areas", "energies")[:level]:
-        if np.isinf(getattr(cells, name)).any():
-            warnings.warn(
-                f"{name} of cells exceed float64 and are infinite: divide coordinates by a constant", RuntimeWarning, 3
-            )
+        total = getattr(cells, name).sum()
+        if total == 0 or np.isinf(total):
+            advice = "multiply" if total == 0 else "divide"
+            warnings.warn(f"{name} of cells are beyond float64: {advice} coordinates by a constant", RuntimeWarning, 3)
             break
     return cells
 
@@ -318,12 +322,13 @@ def remesh(
 ) -> Remesh:
     """Returns a mesh of well-shaped triangles with about ``n`` vertices for a surface.
 
-    It has exactly ``n``, unless parts of the surface are thinner than the triangles are long. Random places are spread by
+    It has exactly ``n``, unless parts of the surface are thinner than the triangles are long, or it has more corners. Random places are spread by
     area, relaxed by Lloyd's method on the surface, and joined by the dual of connected parts. Seeds whose cells hold a
-    stretch of a border or of a sharp edge move along it, and one seed to each of their corners. So the mesh ends where the
-    surface does, up to the size of its triangles. Where cells fall into several parts, as on both sides of a thin plate,
+    stretch of a border or of a sharp edge move along it, and one seed to each of their corners. Seeds are added at corners
+    and borders that the triangles would miss, as in sharp tips. So the mesh ends where the surface does. Where cells fall into several parts, as on both sides of a thin plate,
     fewer seeds make the same number of vertices. Where the mesh would differ from the surface, as around thin bars, seeds
-    are added. ``faults`` lists the seeds where that did not help.
+    are added. At most ``n`` seeds are added. ``faults`` lists the seeds where that did not help. Sharp edges nearer to each other
+    than the triangles are long may share vertices: ``distance`` tells.
 
     Parameters
     ----------

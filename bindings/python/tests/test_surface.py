@@ -213,8 +213,15 @@ class Surface(unittest.TestCase):
     def test_remesh_in_any_unit(self):
         vertices, triangles = np.asarray(globe(8, 12)[0], float), globe(8, 12)[1]
         one = vt.remesh(vertices, triangles, 100, steps=5)
+        seeds = sphere(30)
+        relaxed = vt.lloyd_on_surface(seeds, vertices, triangles, steps=3)
         for unit in (2.0**300, 2.0**-300):
-            mesh = vt.remesh(vertices * unit, triangles, 100, steps=5)
+            with self.assertWarnsRegex(RuntimeWarning, "energies of cells are beyond float64"):
+                mesh = vt.remesh(vertices * unit, triangles, 100, steps=5)
+            with self.assertWarnsRegex(RuntimeWarning, "energies of cells are beyond float64"):
+                far = vt.lloyd_on_surface(seeds * unit, vertices * unit, triangles, steps=3)
+            np.testing.assert_array_equal(far.points, relaxed.points * unit)
+            np.testing.assert_array_equal(far.moved, relaxed.moved)
             np.testing.assert_array_equal(mesh.vertices, one.vertices * unit)
             np.testing.assert_array_equal(mesh.cells.areas, one.cells.areas * unit**2)
             self.assertEqual((mesh.distance, mesh.min_angle), (one.distance * unit, one.min_angle))
@@ -236,6 +243,43 @@ class Surface(unittest.TestCase):
             a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
             area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
             self.assertTrue(area > 0.9 or len(mesh.faults) > 0, (count, area))
+
+    def test_remesh_keeps_corners_and_borders(self):
+        def fan(x, y):
+            n = len(x)
+            vertices = np.append(np.stack((x, y, np.zeros(n)), axis=1), [(np.mean(x), np.mean(y), 0)], axis=0)
+            return vertices, np.array([(i, (i + 1) % n, n) for i in range(n)]), n
+
+        turn = np.pi * np.arange(10) / 5
+        star = np.where(np.arange(10) % 2, 0.38, 1.0)
+        ell = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)]
+        corners, sides = cube()
+        for vertices, triangles, kept in (
+            (*SQUARE, 4),
+            (ell, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)], 6),
+            fan(star * np.cos(turn), star * np.sin(turn)),
+            fan((0, 1, 1), (0, 0, 0.02)),  # a tip of one degree
+            ([(0, 0, 0), (1, 0, 0), (1, 0.01, 0), (0, 0.01, 0)], [(0, 1, 2), (0, 2, 3)], 4),
+            (corners, sides[:-2], 8),  # a box without a lid
+        ):
+            given = np.asarray(vertices, float)
+            a, b, c = np.moveaxis(given[np.asarray(triangles)], 1, 0)
+            area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+            for n, seeds in ((kept, 6), (2 * kept, 6), (60, 12)):
+                for rng_seed in range(seeds):
+                    mesh = vt.remesh(given, triangles, n, rng_seed=rng_seed)
+                    case = kept, n, rng_seed, len(mesh.vertices)
+                    if len(mesh.faults) > 0 and n < 60:
+                        continue
+                    self.assertEqual((len(mesh.faults), mesh.crowded_edges), (0, 0), case)
+                    a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+                    made = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+                    self.assertAlmostEqual(made / area, 1, delta=1e-9, msg=case)
+                    used = {tuple(x) for x in mesh.vertices[np.unique(mesh.triangles)]}
+                    self.assertLessEqual({tuple(x) for x in given[:kept]}, used, case)
+        # Too many corners for so few vertices.
+        mesh = vt.remesh(*fan(star * np.cos(turn), star * np.sin(turn))[:2], 3)
+        self.assertGreater(len(mesh.faults), 0)
 
     def test_remesh_keeps_openings(self):
         angles = 2 * np.pi * np.arange(12) / 12
