@@ -101,9 +101,10 @@ void for_values(auto& options, auto& run, const auto& use) {
     use(options.progress, run.progress);
     use(options.log, run.log);
 }
+
 // Refuses sides so different that cells would leave the range of double in which they are measured.
 void check_sides(const Box& box, const Want& want, std::size_t dimensions) {
-    constexpr double thinnest = 0x1p-450;
+    constexpr double thinnest = 0x1p-500;
     if (!want.volumes && !want.centroids && !want.areas && !want.surfaces && !want.radii) return;
     double shortest = std::numeric_limits<double>::infinity(), longest = 0;
     for (std::size_t k = 0; k < dimensions; ++k) {
@@ -113,7 +114,7 @@ void check_sides(const Box& box, const Want& want, std::size_t dimensions) {
     if (shortest < thinnest * longest)
         refuse(
             "Options::box: its sides are from " + number(shortest) + " to " + number(longest) +
-            ", too different to measure cells: give a box whose sides differ by less than 1e135, or want no measures");
+            ", too different to measure cells: give a box whose sides differ by less than 1e150, or want no measures");
 }
 
 void take_values(const Options& options, Settled& run) {

@@ -117,7 +117,7 @@ TEST_SUITE("cases") {
             CHECK(near(t.face_areas().first(entries), small.face_areas().first(entries)));
             CHECK(votess::verify(t, points).failure == "");
         }
-        votess::Options options = test::all_options(votess::Box{{0, 0, 0}, {3, 3, 0x1p460}});
+        votess::Options options = test::all_options(votess::Box{{0, 0, 0}, {3, 3, 0x1p510}});
         CHECK(has(refusal(points, options), "Options::box: its sides are from 3 to "));
         options.want = {.neighbors = true, .volumes = false};
         CHECK(test::rows_of(votess::tessellate(points, options)).size() == points.size() / 3);
