@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t leaf_seeds = 8;
 // Seeds around a leaf, whose distance is tried.
-constexpr std::size_t min_count = 32, max_count = 192;
+constexpr std::size_t min_listed = 32, max_listed = 192;
 constexpr double first_distance = 1.0;  // in units of the leaf's longest side
 constexpr int max_tries = 40;
 
@@ -91,7 +91,7 @@ void NearSeeds::collect(const SeedTree::Node& leaf, double distance, std::vector
     };
     std::array<std::uint32_t, 160> pending;
     pending[0] = 0;
-    for (std::size_t count = 1; count > 0 && found.size() <= max_count;) {
+    for (std::size_t count = 1; count > 0 && found.size() <= max_listed;) {
         const SeedTree::Node& node = tree_.nodes()[pending[--count]];
         if (!is_near(node.lower, node.upper)) continue;
         if (node.child == 0) {
@@ -106,16 +106,16 @@ void NearSeeds::collect(const SeedTree::Node& leaf, double distance, std::vector
 
 std::unique_ptr<NearSeeds::Lists> NearSeeds::make(const SeedTree::Node& leaf) const {
     const auto longest = [](const SeedTree::Node& node) { return std::ranges::max(minus(node.upper, node.lower)); };
-    const std::size_t wanted = std::min(min_count, tree_.size());
+    const std::size_t wanted = std::min(min_listed, tree_.size());
     double distance = first_distance * longest(leaf), low = 0, high = std::numeric_limits<double>::infinity();
     if (!(distance > 0)) distance = longest(tree_.nodes()[0]) / std::sqrt(static_cast<double>(tree_.size()));
     std::vector<std::uint32_t> found;
     std::vector<std::uint64_t> near;
-    found.reserve(max_count + leaf_seeds);
+    found.reserve(max_listed + leaf_seeds);
     for (int tries = 0;; ++tries) {
         collect(leaf, distance, found);
         const bool is_last = tries == max_tries;
-        if (found.size() > max_count) {
+        if (found.size() > max_listed) {
             high = distance;
             if (is_last) found.clear(), distance = 0;
         } else if (found.size() < wanted) {

@@ -109,7 +109,7 @@ private:
     };
     [[nodiscard]] const Lists& of_leaf(const SeedTree::Node& leaf) const;
     [[nodiscard]] std::unique_ptr<Lists> make(const SeedTree::Node& leaf) const;
-    // Lists the seeds around a leaf up to a distance, or max_count and more of them.
+    // Lists the seeds around a leaf up to a distance, or max_listed and more of them.
     void collect(const SeedTree::Node& leaf, double distance, std::vector<std::uint32_t>& found) const;
 
     const SeedTree& tree_;

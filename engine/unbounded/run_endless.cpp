@@ -21,7 +21,7 @@ namespace {
 
 using detail::Result;
 
-constexpr std::size_t seeds_per_check = 4096;
+constexpr std::size_t seeds_per_stop = 4096;
 constexpr std::size_t min_near = 30;  // fewer seeds are as fast in the far box alone
 
 // Sets the wanted measures of some rows of a result to those of rows of another one. Those of other rows stay.
@@ -63,7 +63,7 @@ bool is_thin(const Points& points) {
         std::size_t at = 0;
         double most = 0;
         for (std::size_t i = 0; i < count; ++i) {
-            if (i % seeds_per_check == 0) check_stop();
+            if (i % seeds_per_stop == 0) check_stop();
             if (const double x = size(from_first(i)); x > most) most = x, at = i;
         }
         return std::pair{at, most};
