@@ -15,7 +15,7 @@ constexpr std::int32_t last_side = -4, first_oblique = -7;  // walls; those betw
 
 using Flat = std::array<double, 2>;
 
-double cross(const Flat& a, const Flat& b) {
+double flat_cross(const Flat& a, const Flat& b) {
     return a[0] * b[1] - a[1] * b[0];
 }
 
@@ -62,7 +62,7 @@ public:
         Flat from_in_grid = in_grid(from);
         for (std::size_t k = 0; k < lines_.size(); ++k) {
             const Flat to{corners_[k][0] - first[0], corners_[k][1] - first[1]}, to_in_grid = in_grid(to);
-            twice += cross(from, to);
+            twice += flat_cross(from, to);
             out_.areas_[lines_[k].entry] = std::hypot(to[0] - from[0], to[1] - from[1]) / scale * thickness;
             Edge& edge = out_.edges_[lines_[k].entry] = {from_in_grid, to_in_grid};
             if (frame_.mirrored()) std::swap(edge.from, edge.to);
@@ -117,7 +117,7 @@ private:
         std::size_t last = count;  // with a turn
         for (std::size_t k = 0; k < count; ++k) {
             const Line &a = lines_[k], &b = lines_[(k + 1) % count];
-            const double turn = cross(a.normal, b.normal);
+            const double turn = flat_cross(a.normal, b.normal);
             const Flat corner{(a.offset * b.normal[1] - b.offset * a.normal[1]) / turn,
                               (a.normal[0] * b.offset - b.normal[0] * a.offset) / turn};
             if (turn > 0 && std::isfinite(corner[0]) && std::isfinite(corner[1])) {
