@@ -164,7 +164,7 @@ std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const Wid
 // In integers the sum of +-E_m is 0 or at least 1. All |w_m| are equal to a difference e, so |2 w_m| times that sum
 // decides if it is more than 2 e sum |E_m| + |R|.
 std::optional<int> side_of_far_vertex(const Point& p, const std::array<const Plane*, 3>& vertex, const Plane& d) {
-    std::array<const Plane*, 3> bisectors{&d};
+    std::array<const Plane*, 4> bisectors{&d};
     std::array<std::size_t, 3> across{};
     std::array<bool, 3> is_across{};
     std::array<int, 3> sign{};
