@@ -44,11 +44,6 @@ std::string help() {
     return page + "\n\nexit codes: those of clvotess, on all ranks alike\n";
 }
 
-bool is_hdf5_output(const std::string& path) {
-    const std::string extension = path == "-" ? "" : extension_of(path);
-    return extension == ".h5" || extension == ".hdf5";
-}
-
 }  // namespace
 
 std::string answer_of_ranks(int count, const char* const* values) {
@@ -67,7 +62,7 @@ void refuse_for_ranks(const Arguments& arguments) {
         refuse(long_name(*option) + " needs all points and cells on one machine: leave it out");
     if (arguments.covalent) refuse("--radii covalent: ranks read columns of numbers: name a column of radii");
     for (const std::string& path : arguments.outputs)
-        if (!is_hdf5_output(path))
+        if (!names_hdf5(path))
             refuse("cannot write " + in_quotes(path) + ": ranks write one HDF5 file together: name it .h5");
     if (arguments.outputs.size() > 1) refuse("ranks write one HDF5 file together: give -o once");
     if (options.device != "auto" && options.device != "cpu")

@@ -13,10 +13,6 @@
 namespace clvotess {
 namespace {
 
-bool is_hdf5(const std::string& path) {
-    return extension_of(path) == ".h5" || extension_of(path) == ".hdf5";
-}
-
 void write_npy(OutputFile& file, const GridOutput& grid) {
     file.write(npy_header("<f8", grid.shape()));
     file.write(bytes_of(grid.numbers));
@@ -93,9 +89,9 @@ void check_grid_outputs(const std::vector<std::string>& outputs, bool has_image,
     if (outputs.empty() && !has_image)
         throw bad_input("--to-grid needs an output: add -o FILE.npy, FILE.h5 or FILE.vti, or --image FILE.png");
     for (const std::string& path : outputs) {
-        if (path == "-" || !(is_hdf5(path) || extension_of(path) == ".npy" || extension_of(path) == ".vti"))
+        if (path == "-" || !(names_hdf5(path) || extension_of(path) == ".npy" || extension_of(path) == ".vti"))
             throw bad_input("--to-grid writes .npy, .h5 and .vti, not " + in_quotes(path));
-        if (is_hdf5(path)) check_hdf5(path);
+        if (names_hdf5(path)) check_hdf5(path);
     }
     check_paths(outputs, {input});
 }
@@ -107,7 +103,7 @@ void check_grid_domain(const std::vector<std::string>& outputs, const votess::Te
 }
 
 void write_grid(OutputFile& file, const std::string& path, const GridOutput& grid) {
-    if (is_hdf5(path)) return load_hdf5("cannot write HDF5").write_grid(file, grid);
+    if (names_hdf5(path)) return load_hdf5("cannot write HDF5").write_grid(file, grid);
     if (extension_of(path) == ".vti") return write_vti(file, grid);
     write_npy(file, grid);
 }

@@ -156,6 +156,11 @@ std::string extension_of(const std::string& path) {
     return lower_case(text_of(path_of(path).extension()));
 }
 
+bool names_hdf5(const std::string& path) {
+    const std::string extension = path == "-" ? "" : extension_of(path);
+    return extension == ".h5" || extension == ".hdf5";
+}
+
 std::span<const std::size_t> columns_of(Dimensions dimensions) {
     static constexpr std::array<std::size_t, 3> columns{3, 2, 3};
     const std::span<const std::size_t> all(columns);

@@ -197,5 +197,7 @@ public:
 
 // Returns the extension in lower case with its dot; "" without one.
 [[nodiscard]] std::string extension_of(const std::string& path);
+// Returns whether an output of that name is HDF5.
+[[nodiscard]] bool names_hdf5(const std::string& path);
 
 }  // namespace clvotess

@@ -302,7 +302,7 @@ void check_streamed(const Arguments& arguments) {
     const bool cpu = options.device == "auto" || options.device == "cpu";
     if (!cpu) refuse("--device " + options.device, "it runs on the CPU; leave the device out");
     for (const std::string& path : arguments.outputs)
-        if (!path.ends_with(".h5") && !path.ends_with(".hdf5"))
+        if (!names_hdf5(path))
             refuse("-o " + path, "pieces can only be written to .h5; name the file .h5");
         else if (arguments.frames && !names_frame(path))
             refuse("-o " + path, "each frame has a file; let {frame} stand for its number, as in out-{frame}.h5");

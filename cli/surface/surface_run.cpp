@@ -31,10 +31,6 @@ bool is_mesh_format(const std::string& path) {
     return std::ranges::find(mesh_formats, extension_of(path)) != mesh_formats.end();
 }
 
-bool is_hdf5_file(const std::string& path) {
-    return extension_of(path) == ".h5" || extension_of(path) == ".hdf5";
-}
-
 // A mesh to write.
 struct Triangles {
     std::span<const double> vertices;
@@ -126,7 +122,7 @@ void write_mesh_file(OutputFile& file, const std::string& path, const Triangles&
 }
 
 void write_arrays(OutputFile& file, const std::string& path, std::span<const ResultArray> arrays) {
-    if (is_hdf5_file(path)) return load_hdf5("cannot write HDF5").write_arrays(file, arrays);
+    if (names_hdf5(path)) return load_hdf5("cannot write HDF5").write_arrays(file, arrays);
     write_npz_arrays(file, arrays);
 }
 
@@ -163,37 +159,14 @@ void write_cell_rows(OutputFile& file, const Input& seeds, const votess::Surface
 }
 
 // Views into the cells and the other arguments.
-std::vector<ResultArray> arrays_of(const votess::SurfaceCells& c, std::span<const double> points,
-                                   const std::vector<std::int32_t>& faults) {
-    const auto array = [](std::string_view name, const auto& values, std::size_t columns = 1) {
-        return as_array(name, std::span(values), columns);
-    };
-    return {array("points", points, 3),
-            array("areas", c.areas),
-            array("centroids", c.centroids, 3),
-            array("nearest", c.nearest, 3),
-            array("energies", c.energies),
-            array("borders", c.borders),
-            array("pieces", c.pieces),
-            array("euler", c.euler),
-            array("indptr", c.indptr),
-            array("indices", c.indices),
-            array("lengths", c.lengths),
-            array("curves", c.curves),
-            array("loops", c.loops),
-            array("polygon_triangles", c.polygon_triangles),
-            array("polygon_seeds", c.polygon_seeds),
-            array("polygon_areas", c.polygon_areas),
-            array("polygon_pieces", c.polygon_pieces),
-            array("polygon_offsets", c.polygon_offsets),
-            array("corners", c.corners),
-            array("beyond", c.beyond),
-            array("vertices", c.vertices, 3),
-            array("dual", c.dual, 3),
-            array("dual_counts", c.dual_counts),
-            array("piece_dual", c.piece_dual, 3),
-            array("piece_dual_counts", c.piece_dual_counts),
-            array("faults", faults)};
+std::vector<ResultArray> arrays_of(const votess::SurfaceCells& cells, std::span<const double> points,
+                                   std::span<const std::int32_t> faults) {
+    std::vector<ResultArray> arrays{as_array("points", points, 3)};
+    votess::for_surface_arrays(cells, [&](std::string_view name, const auto& values, std::size_t components) {
+        arrays.push_back(as_array(name, std::span(values), components));
+    });
+    arrays.push_back(as_array("faults", faults));
+    return arrays;
 }
 
 // Members of a JSON object, or words for people.
@@ -359,10 +332,10 @@ void read_surface_options(const Typed& typed, Arguments& arguments) {
     for (const std::string& path : arguments.outputs) {
         const std::string extension = path == "-" ? "" : extension_of(path);
         const bool is_table = extension == ".csv" && !arguments.remesh;
-        if (!is_table && extension != ".npz" && !is_hdf5_file(path) && !is_mesh_format(path))
+        if (!is_table && extension != ".npz" && !names_hdf5(path) && !is_mesh_format(path))
             throw bad_input(std::string(arguments.remesh ? "--remesh writes" : "--surface writes .csv,") +
                             " .npz, .h5, .obj, .ply, .off and .stl, not " + in_quotes(path));
-        if (is_hdf5_file(path)) check_hdf5(path);
+        if (names_hdf5(path)) check_hdf5(path);
     }
     check_paths(arguments.outputs, {arguments.input, arguments.surface_file});
 }

@@ -183,6 +183,10 @@ size_t votess_frame_cells_unresolved(const votess_frame_cells* cells) {
     return value_of<size_t>(cells, "cells is NULL", [](const votess_frame_cells& of) { return of.rows.unresolved; });
 }
 
+size_t votess_frame_cells_kept(const votess_frame_cells* cells) {
+    return value_of<size_t>(cells, "cells is NULL", [](const votess_frame_cells& of) { return of.rows.kept; });
+}
+
 votess_status votess_frame_cells_array(const votess_frame_cells* cells, const char* name, votess_array* array) {
     return expose(cells, "cells", name, array, [](const votess_frame_cells& of) {
         const votess::detail::FrameRows& r = of.rows;

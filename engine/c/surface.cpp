@@ -123,37 +123,16 @@ void votess_surface_free(votess_surface* surface) {
 
 votess_status votess_surface_array(const votess_surface* surface, const char* name, votess_array* array) {
     return expose(surface, "surface", name, array, [](const votess_surface& of) {
-        const votess::SurfaceCells& c = of.cells;
-        return std::array{named("areas", c.areas),
-                          named("centroids", c.centroids, 3),
-                          named("nearest", c.nearest, 3),
-                          named("energies", c.energies),
-                          named("borders", c.borders),
-                          named("pieces", c.pieces),
-                          named("euler", c.euler),
-                          named("indptr", c.indptr),
-                          named("indices", c.indices),
-                          named("lengths", c.lengths),
-                          named("curves", c.curves),
-                          named("loops", c.loops),
-                          named("polygon_triangles", c.polygon_triangles),
-                          named("polygon_seeds", c.polygon_seeds),
-                          named("polygon_areas", c.polygon_areas),
-                          named("polygon_pieces", c.polygon_pieces),
-                          named("polygon_offsets", c.polygon_offsets),
-                          named("corners", c.corners),
-                          named("beyond", c.beyond),
-                          named("vertices", c.vertices, 3),
-                          named("dual", c.dual, 3),
-                          named("dual_counts", c.dual_counts),
-                          named("piece_dual", c.piece_dual, 3),
-                          named("piece_dual_counts", c.piece_dual_counts),
-                          named("faults", of.faults),
-                          named("points", of.points, 3),
-                          named("step_energies", of.energies),
-                          named("moved", of.moved),
-                          named("mesh_vertices", of.mesh.vertices, 3),
-                          named("mesh_triangles", of.mesh.triangles, 3),
-                          named("mesh_faults", of.mesh.faults)};
+        std::vector arrays{named("faults", of.faults),
+                           named("points", of.points, 3),
+                           named("step_energies", of.energies),
+                           named("moved", of.moved),
+                           named("mesh_vertices", of.mesh.vertices, 3),
+                           named("mesh_triangles", of.mesh.triangles, 3),
+                           named("mesh_faults", of.mesh.faults)};
+        votess::for_surface_arrays(of.cells, [&](const char* array, const auto& values, std::size_t components) {
+            arrays.push_back(named(array, values, components));
+        });
+        return arrays;
     });
 }

@@ -19,6 +19,7 @@ struct FrameRows {
     Buffer<float> centroids32;
     Buffer<double> centroids64;
     std::size_t unresolved = 0;  // cells that the device did not certify
+    std::size_t kept = 0;        // cells of the last frame that still hold
 };
 
 // Derivatives of a number by the arrays of FrameRows, and as long; null: 0.

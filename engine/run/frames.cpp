@@ -33,7 +33,6 @@ void check_options(const Options& options) {
     refuse_if(options.only.has_value(), "only", "is given: a frame makes all cells, leave it out");
     refuse_if(options.min_face > 0, "min_face", "is given: a frame has all faces, leave it out");
     refuse_if(options.min_area > 0, "min_area", "is given: a frame has all faces, leave it out");
-    refuse_if(options.follow, "follow", "is set: a frame makes all cells, leave it out");
     refuse_if(options.duplicates != Duplicates::merge, "duplicates",
               "= error: a frame gives such points the status duplicate, leave it out");
     refuse_if(options.outside == Outside::keep, "outside",
@@ -62,7 +61,7 @@ votess::vulkan::PlanOptions plan_of(const FramesSettings& settings, const Settle
     const std::uint64_t entries =
         settings.max_entries != 0 ? settings.max_entries : usual_row * std::uint64_t{settings.max_points};
     votess::vulkan::PlanOptions plan;
-    plan.most_seeds = settings.max_points;
+    plan.max_seeds = settings.max_points;
     if (run.region.cell)
         plan.cell = run.region.cell;
     else
@@ -71,16 +70,17 @@ votess::vulkan::PlanOptions plan_of(const FramesSettings& settings, const Settle
     if (settings.weights) plan.weights = {.least = settings.weights->first, .largest = settings.weights->second};
     plan.walls = run.region.walls;
     plan.margin = settings.margin;
-    plan.most_images = settings.max_images;
+    plan.max_images = settings.max_images;
     plan.format =
         settings.uuid && !settings.wide ? votess::vulkan::SeedFormat::float32 : votess::vulkan::SeedFormat::float64;
     plan.neighbors = run.want.neighbors;
     plan.geometry = run.want.volumes || run.want.centroids;
     plan.areas = run.want.areas;
     plan.list_walls = run.list_walls;
-    plan.most_entries = static_cast<std::uint32_t>(std::min(entries, max_entries));
+    plan.max_entries = static_cast<std::uint32_t>(std::min(entries, max_entries));
     plan.chunk_size = run.chunk_size;
     plan.k_init = run.k_init;
+    plan.follow = run.follow;
     return plan;
 }
 
@@ -165,8 +165,8 @@ detail::FrameRows Frames::run_any(std::span<const Real> points, std::span<const 
     if (!state_->frames) refuse("these frames have exported memory: submit frames to them");
     const votess::vulkan::PlanOptions& plan = state_->frames->plan().options();
     const std::size_t count = points.size() / 3;
-    if (count > plan.most_seeds)
-        refuse(std::to_string(count) + " points are more than max_points = " + std::to_string(plan.most_seeds) +
+    if (count > plan.max_seeds)
+        refuse(std::to_string(count) + " points are more than max_points = " + std::to_string(plan.max_seeds) +
                ": make frames for more");
     if (plan.weights && weights.size() != count)
         refuse("weights are missing: these frames were made with a range of weights, give one for each point");
@@ -238,7 +238,7 @@ detail::ExportedArrays Frames::exported() {
 void Frames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done) {
     const State::Call call(*state_);
     gpu::ExportedFrames& frames = exported_of(state_->exported);
-    const std::uint32_t most = frames.plan().options().most_seeds;
+    const std::uint32_t most = frames.plan().options().max_seeds;
     if (count > most)
         refuse(std::to_string(count) + " points are more than max_points = " + std::to_string(most) +
                ": make frames for more");

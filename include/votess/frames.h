@@ -40,7 +40,8 @@ typedef struct votess_frames_options {
 
 // Opens the device and makes its pipelines, which may take seconds. The domain of the options is a finite box or a
 // cell. `want` may have neighbors, volumes, centroids and areas. The device "auto" is a GPU, or without one a software
-// device. Refused: planar, mesh, only, min_face, min_area, follow, weights, radii, outside = keep, duplicates = error,
+// device. `follow` keeps the cells for the next run: those that still hold are not made again. It pays where points move by
+// at most a hundredth of their distance. Refused: planar, mesh, only, min_face, min_area, weights, radii, outside = keep, duplicates = error,
 // precision = double. share: frames whose device and pipelines the new ones use too, in milliseconds; or NULL.
 VOTESS_API votess_status votess_frames_new(const votess_frames_options* frames, const votess_options* options,
                                            const votess_frames* share, votess_frames** out);
@@ -62,6 +63,8 @@ VOTESS_API votess_status votess_frames_resolve(votess_frames* frames, votess_fra
 VOTESS_API void votess_frame_cells_free(votess_frame_cells* cells);  // NULL does nothing
 // Returns the number of cells that the device left.
 VOTESS_API size_t votess_frame_cells_unresolved(const votess_frame_cells* cells);
+// Returns the number of cells of the last run that still held, with `follow`.
+VOTESS_API size_t votess_frame_cells_kept(const votess_frame_cells* cells);
 // Sets an array, in the order of the points. Arrays that were not requested are empty.
 //   status      int32 N
 //   indptr      int32 N + 1: row i is indices[indptr[i]] to indices[indptr[i + 1] - 1]

@@ -80,6 +80,35 @@ struct VOTESS_API SurfaceCells {
     [[nodiscard]] std::vector<std::int32_t> faults() const;
 };
 
+// Calls visit(name, array, components) for each array; 3 components: a row has three elements.
+template <class Visit>
+void for_surface_arrays(const SurfaceCells& cells, Visit&& visit) {
+    visit("areas", cells.areas, 1);
+    visit("centroids", cells.centroids, 3);
+    visit("nearest", cells.nearest, 3);
+    visit("energies", cells.energies, 1);
+    visit("borders", cells.borders, 1);
+    visit("pieces", cells.pieces, 1);
+    visit("euler", cells.euler, 1);
+    visit("indptr", cells.indptr, 1);
+    visit("indices", cells.indices, 1);
+    visit("lengths", cells.lengths, 1);
+    visit("curves", cells.curves, 1);
+    visit("loops", cells.loops, 1);
+    visit("polygon_triangles", cells.polygon_triangles, 1);
+    visit("polygon_seeds", cells.polygon_seeds, 1);
+    visit("polygon_areas", cells.polygon_areas, 1);
+    visit("polygon_pieces", cells.polygon_pieces, 1);
+    visit("polygon_offsets", cells.polygon_offsets, 1);
+    visit("corners", cells.corners, 1);
+    visit("beyond", cells.beyond, 1);
+    visit("vertices", cells.vertices, 3);
+    visit("dual", cells.dual, 3);
+    visit("dual_counts", cells.dual_counts, 1);
+    visit("piece_dual", cells.piece_dual, 3);
+    visit("piece_dual_counts", cells.piece_dual_counts, 1);
+}
+
 // Returns the parts of the cells of N points on a surface. TriangleMesh::merge and tolerance apply. Areas sum to that
 // of the surface, relative 1e-13. The same on any number of threads. Throws invalid_argument for bad shapes, numbers
 // that are not finite, no points, and a surface without area; and Error as tessellate() does.

@@ -4,7 +4,7 @@
 //     using namespace votess::vulkan;
 //     Requirements needs = requirements(host, physical_device);   // before vkCreateDevice: features to enable
 //     ...
-//     Plan plan({.instance = ..., .device = ..., ...}, {.most_seeds = 100000, .box = {{0, 0, 0}, {1, 1, 1}}});
+//     Plan plan({.instance = ..., .device = ..., ...}, {.max_seeds = 100000, .box = {{0, 0, 0}, {1, 1, 1}}});
 //     // The program makes buffers of plan.sizes() bytes with buffer_usage.
 //     Frame frame = plan.frame({.seeds = {positions}, .workspace = {scratch}, .header = ..., ...});
 //     frame.record(commands, {.count = n});   // every frame; then the program submits, and draws from its buffers
@@ -101,11 +101,11 @@ struct WeightOptions {
 };
 
 struct PlanOptions {
-    std::uint32_t most_seeds = 0;  // maximum of one frame
+    std::uint32_t max_seeds = 0;  // maximum of one frame
     Box box{};                     // seeds outside, or not finite, get status `outside` and no cell
     // Axes along which the box repeats. Seeds up to one side length outside are wrapped into it, without rounding. The
     // device makes images of the seeds up to `margin` around the box. Cells that reach farther stay unresolved; all
-    // cells do when most_images is too small (see Header::images).
+    // cells do when max_images is too small (see Header::images).
     std::array<bool, 3> periodic{};
     // A triclinic box that repeats along all its edges, instead of box and periodic. Seeds outside its bounds by up to
     // their length are wrapped into it, by vectors rounded to at most 2^-61 of the longest side. Cells for which the
@@ -119,14 +119,14 @@ struct PlanOptions {
     // Width of the layer of images, length unit, at most 0.99 sides. 0 = 3.4 mean distances between seeds, with weights
     // up to twice that.
     double margin = 0;
-    std::uint32_t most_images = 0;  // maximum number of images; 0 = a quarter more than uniform seeds have
+    std::uint32_t max_images = 0;  // maximum number of images; 0 = a quarter more than uniform seeds have
     SeedFormat format = SeedFormat::float32;
     std::uint32_t stride = 3;        // numbers from one seed to the next, at least 3: 4 for a vec4
     bool neighbors = true;           // rows of neighbors
     bool geometry = true;            // volumes and centroids
     bool areas = false;              // areas of the faces behind the entries of rows
     bool list_walls = false;         // list the ids of walls in the rows too
-    std::uint32_t most_entries = 0;  // maximum of all rows together; 0 = 20 a seed. See Header::entries
+    std::uint32_t max_entries = 0;  // maximum of all rows together; 0 = 20 a seed. See Header::entries
     // Cells in flight: more workspace, more speed, longer dispatches. 0 = automatic: 2^20 on GPUs with memory of their
     // own, 2^17 on other GPUs.
     std::uint32_t chunk_size = 0;
@@ -148,7 +148,7 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
                                                    VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
                                                    VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
 
-// Bytes of each buffer for most_seeds seeds, N. All arrays follow the input order of the seeds. 0: not requested. A
+// Bytes of each buffer for max_seeds seeds, N. All arrays follow the input order of the seeds. 0: not requested. A
 // buffer for very many seeds may exceed maxMemoryAllocationSize (4 GiB with some drivers); it then needs sparse
 // binding.
 struct BufferSizes {
@@ -181,7 +181,7 @@ struct Header {
     std::uint32_t unresolved;  // cells for resolve(), which need exact arithmetic or more neighbors
     std::uint32_t duplicates;  // seeds equal to another one of lower index
     std::uint32_t outside;     // seeds outside box or walls, not finite, or with a weight outside its range
-    std::uint32_t entries;     // entries that the rows need. Above most_entries, rows that do not fit are dropped, and
+    std::uint32_t entries;     // entries that the rows need. Above max_entries, rows that do not fit are dropped, and
                                // their cells get status `candidates_exhausted`
     std::uint32_t faces;       // of all certified cells, walls included
     std::uint32_t images;      // images of periodic seeds within the margin
@@ -209,7 +209,7 @@ struct Timestamps {
 };
 
 struct RecordOptions {
-    std::uint32_t count = 0;  // seeds of this frame, at most most_seeds
+    std::uint32_t count = 0;  // seeds of this frame, at most max_seeds
     // For a number of seeds that only the GPU knows: a buffer with TRANSFER_SRC usage that holds it as uint32, at a
     // multiple of 4. All stages then run for `count` seeds, and a larger number means `count`. Seeds and weights beyond
     // the number are not read. Their cells get status `outside`, but Header::outside does not count them. Before:
@@ -242,7 +242,7 @@ public:
     // After: the last command is a barrier. It makes these buffers visible to all later commands on the queue, at any
     // stage, for any access. The host needs its own barrier.
     //
-    // Throws Error and then records nothing. invalid_argument: an empty Frame, null commands, a count above most_seeds,
+    // Throws Error and then records nothing. invalid_argument: an empty Frame, null commands, a count above max_seeds,
     // an empty or inverted box, a box where the plan has a cell or walls, a cell where it has none. unsupported: a
     // periodic box that Plan() would refuse, or a box too small for the plan's weights.
     void record(VkCommandBuffer commands, const RecordOptions& options) const;

@@ -28,7 +28,7 @@ public:
     ExportedFrame(std::uint32_t seeds, const votess::Box& box, const std::optional<Uuid>& uuid) {
         make_device(uuid);
         // As in ../vulkan_frames: the plan, then its buffers.
-        plan_.emplace(handles_, votess::vulkan::PlanOptions{.most_seeds = seeds, .box = box, .stride = 4});
+        plan_.emplace(handles_, votess::vulkan::PlanOptions{.max_seeds = seeds, .box = box, .stride = 4});
         make_buffers();
         make_semaphore();
         record();
@@ -167,7 +167,7 @@ private:
             places_.end += (bytes + step - 1) / step * step;
             return begin;
         };
-        places_.seeds = place(vk::DeviceSize{16} * plan_->options().most_seeds);
+        places_.seeds = place(vk::DeviceSize{16} * plan_->options().max_seeds);
         places_.header = place(sizes.header);
         places_.cells = place(sizes.cells);
         places_.indices = place(sizes.indices);
@@ -198,7 +198,7 @@ private:
             std::move(device_->allocateCommandBuffersUnique({.commandPool = *pool_, .commandBufferCount = 1}).front());
         commands_->begin({.flags = vk::CommandBufferUsageFlagBits::eSimultaneousUse});
         give(VK_QUEUE_FAMILY_EXTERNAL, handles_.queue_family);
-        frame_.record(*commands_, {.count = plan_->options().most_seeds});
+        frame_.record(*commands_, {.count = plan_->options().max_seeds});
         give(handles_.queue_family, VK_QUEUE_FAMILY_EXTERNAL);
         commands_->end();
     }

@@ -120,7 +120,7 @@ struct Scene {
 
     const Gpu& gpu;
     // Step 2, once: plan for the largest number of seeds and the box. Here the pipelines are made.
-    votess::vulkan::Plan plan{gpu.handles, {.most_seeds = count, .box = {{0, 0, 0}, {1, 1, 1}}, .stride = 4}};
+    votess::vulkan::Plan plan{gpu.handles, {.max_seeds = count, .box = {{0, 0, 0}, {1, 1, 1}}, .stride = 4}};
     votess::vulkan::Frame frame;
     Buffer seeds, workspace, header, cells, indices, geometry;
     vk::UniqueDescriptorSetLayout set_layout;

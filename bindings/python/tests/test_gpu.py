@@ -31,6 +31,7 @@ class Arguments(unittest.TestCase):
             "max_points": {"1", "3"}, "max_entries": {"0", "1", "3"}, "max_images": {"0", "1", "3"},
             "margin": {"0", "1", "3", "2**32 + 1", "2**70", "0.5", "0-d"}, "share": {"None"}, "weights": {"None", "[1, 2]"},
             "device": set(), "box": set(), "gradients": RIGHT["list_walls"],
+            "follow": RIGHT["list_walls"],
         }  # fmt: skip
         wrong = []
         for name in inspect.signature(vt.gpu.Frames).parameters:
@@ -303,6 +304,28 @@ class OnDevice(unittest.TestCase):
         for use in (pickle.dumps, copy.deepcopy):
             with self.assertRaisesRegex(TypeError, "copied or pickled"):
                 use(cells)
+
+    def test_kept_cells(self):
+        """Frames that follow, beside frames that do not: the same arrays, for moves of all sizes and other numbers of points."""
+        rng, points = np.random.default_rng(6), uniform(400, seed=5)
+        weights = rng.uniform(-0.001, 0.002, 400)
+        for domain, limits in (({"box": UNIT_BOX}, {}), ({"box": UNIT_BOX, "periodic": True, "list_walls": True}, {"weights": (-0.001, 0.002)})):
+            follows, fresh = (self.frames(400, **domain, **limits, follow=follow) for follow in (True, False))
+            places, kept = points.copy(), []
+            for count, by in ((400, 0), (400, 0), (400, 1e-5), (300, 0), (300, 1e-5), (400, 0.3), (0, 0), (400, 0), (400, 0)):
+                places = np.abs(places + by * rng.uniform(-1, 1, places.shape)) % 1
+                given = places[:count], weights[:count] if limits else None
+                cells, expected = follows(*given), fresh(*given)
+                kept.append(cells.kept_cells)
+                self.assertEqual(expected.kept_cells, 0)
+                for name in ("status", "indptr", "indices", "volumes", "centroids", "face_areas"):
+                    np.testing.assert_array_equal(getattr(cells.resolve(), name), getattr(expected.resolve(), name), name)
+                self.assertEqual(cells.kept_cells, kept[-1])
+            self.assertEqual([kept[0], kept[6], kept[7]], [0, 0, 0])
+            self.assertGreater(min(kept[1], kept[8]), 390)
+            self.assertGreater(kept[2], 200)
+        with self.assertRaisesRegex(ValueError, "chunk_size"):
+            self.frames(400, box=UNIT_BOX, follow=True, chunk_size=64)
 
     def test_refusals(self):
         frames = self.frames(10, box=UNIT_BOX, want="neighbors,volumes")

@@ -153,6 +153,17 @@ class FakeDriver(unittest.TestCase):
         self.fake.cuStreamSynchronize(None)
         self.assertEqual((len(none), read(none.indptr).tolist()), (0, [0]))
 
+    def test_kept_cells(self):
+        """Two calls in flight: the second one keeps the cells of the first one."""
+        points = uniform(150, 2).astype(np.float32)
+        frames = self.frames(150, follow=True)
+        for step in range(3):
+            moved = points + np.float32(1e-5 * step)
+            frames(OnGpu(points))
+            cells = frames(OnGpu(moved))
+            self.fake.cuStreamSynchronize(None)
+            self.compare(cells, moved, box=UNIT_BOX)
+
     def test_float64_periodic_weights_and_resolve(self):
         points = uniform(120, 5)
         points[4] = points[2]

@@ -79,7 +79,7 @@ ExportedFrames::ExportedFrames(const Uuid& uuid, const votess::vulkan::PlanOptio
     };
     buffers_.emplace(memory_, plan_, in(arrays_.points), in(arrays_.weights));
     make_passes();
-    if (gradients) slopes_ = scratch_.take(options.most_seeds * Gradients::slope_bytes, "slopes");
+    if (gradients) slopes_ = scratch_.take(options.max_seeds * Gradients::slope_bytes, "slopes");
     for (auto& flight : flights_) flight = std::make_unique<vulkan::Commands>(*device_);
 }
 
@@ -92,7 +92,7 @@ void ExportedFrames::make_shared() {
     vulkan::Device& device = *device_;
     const VolkDeviceTable& table = device.table();
     const votess::vulkan::BufferSizes& sizes = plan_.sizes();
-    const VkDeviceSize n = plan_.options().most_seeds;
+    const VkDeviceSize n = plan_.options().max_seeds;
     const VkDeviceSize alignment = std::max<VkDeviceSize>(device.adapter().limits.minStorageBufferOffsetAlignment, 256);
     VkDeviceSize end = 0;
     const auto place = [&](std::uint64_t& at, VkDeviceSize bytes) {
@@ -175,7 +175,7 @@ void ExportedFrames::make_passes() {
     passes_.push_back(batch.get({.name = "order_cells", .spirv = cells, .push_bytes = sizeof(OrderPush)}));
     passes_.push_back(batch.get({.name = "order_rows", .spirv = shaders::order_rows, .push_bytes = sizeof(OrderPush)}));
     batch.make();
-    if (want_.neighbors) scan_.reserve(scratch_, plan_.options().most_seeds + 1);
+    if (want_.neighbors) scan_.reserve(scratch_, plan_.options().max_seeds + 1);
 }
 
 detail::ExportedArrays ExportedFrames::arrays() {
@@ -209,7 +209,7 @@ void ExportedFrames::take(vulkan::Commands& commands, bool here) const {
 
 void ExportedFrames::record_order(vulkan::Commands& commands, std::uint32_t count) const {
     const votess::vulkan::BufferSizes& sizes = plan_.sizes();
-    const VkDeviceSize n = plan_.options().most_seeds;
+    const VkDeviceSize n = plan_.options().max_seeds;
     Bindings bindings;
     // Passes bind the cells in place of arrays that are not requested.
     const auto bind = [&](std::uint32_t binding, const Slice& array) {
@@ -269,9 +269,9 @@ void ExportedFrames::batch(std::uint64_t wait_value, std::uint64_t signal_value)
 }
 
 void ExportedFrames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done) {
-    has_run_ = false;
+    const bool fresh = !std::exchange(has_run_, false);
     submit_recorded(after, done, [&](vulkan::Commands& commands) {
-        buffers_->frame().record(commands.handle(), {.count = count});
+        buffers_->frame().record(commands.handle(), {.count = count, .fresh = fresh});
         record_order(commands, count);
     });
     count_ = count;
@@ -297,7 +297,7 @@ void ExportedFrames::submit_vjp(const Want& given, std::uint64_t after, std::uin
     if (!has_run_)
         throw Error(ErrorCode::invalid_use, "gradients are those of the last frame, and there is none: run one first");
     const votess::vulkan::BufferSizes& sizes = plan_.sizes();
-    const VkDeviceSize n = plan_.options().most_seeds;
+    const VkDeviceSize n = plan_.options().max_seeds;
     const VkDeviceSize number = plan_.options().format == votess::vulkan::SeedFormat::float32 ? 4 : 8;
     const auto in = [&](std::uint64_t place, VkDeviceSize bytes) {
         return place == detail::ExportedArrays::none ? Slice{} : exported(place, bytes);

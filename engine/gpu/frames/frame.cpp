@@ -39,9 +39,9 @@ Frame::Frame() = default;
 void Frame::record(VkCommandBuffer commands, const RecordOptions& options) const {
     if (!state_) refuse("the Frame is empty: Plan::frame() makes one");
     if (commands == VK_NULL_HANDLE) refuse("the command buffer is null");
-    const std::uint32_t most = state_->plan->options.most_seeds;
+    const std::uint32_t most = state_->plan->options.max_seeds;
     if (options.count > most)
-        refuse("count = " + std::to_string(options.count) + " is more than most_seeds = " + std::to_string(most));
+        refuse("count = " + std::to_string(options.count) + " is more than max_seeds = " + std::to_string(most));
     if (options.count_buffer.offset % 4 != 0)
         refuse("count_buffer.offset = " + std::to_string(options.count_buffer.offset) + " must be a multiple of 4");
     detail::check_domain(state_->plan->options, options);
@@ -66,12 +66,12 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     weights_ = slice(buffers.weights, sizes.weights, "weights");
     header_ = slice(buffers.header, sizes.header, "header");
     gpu::PartOfBuffer workspace(*plan->device, scratch.handle, scratch.offset);
-    seeds_.reserve(workspace, plan->options.most_seeds, plan->images, static_cast<std::uint32_t>(plan->walls.size()),
+    seeds_.reserve(workspace, plan->options.max_seeds, plan->images, static_cast<std::uint32_t>(plan->walls.size()),
                    plan->passes->settings.weights);
     seeds_.set_walls(plan->walls);
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
     if (plan->options.follow)
-        kept_.reserve(workspace, plan->options.most_seeds + plan->images, plan->options.most_seeds,
+        kept_.reserve(workspace, plan->options.max_seeds + plan->images, plan->options.max_seeds,
                       slice(buffers.kept, sizes.kept, "kept"));
     cells_.set_rows_out({.rows = slice(buffers.indices, sizes.indices, "indices"),
                          .areas = slice(buffers.areas, sizes.areas, "areas"),
@@ -88,7 +88,7 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     for (const std::uint32_t binding : {BINDING_SEED_INPUT, BINDING_SEEDS})
         outputs_.set(binding, seeds_.bindings().get(binding));
     // Makes all descriptor sets: a recording of fewer seeds needs no other.
-    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds,
+    record(VK_NULL_HANDLE, {.count = plan->options.max_seeds,
                             .count_buffer = {},
                             .box = {},
                             .cell = {},

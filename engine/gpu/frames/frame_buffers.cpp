@@ -13,6 +13,7 @@ FrameBuffers::FrameBuffers(vulkan::Memory& memory, const votess::vulkan::Plan& p
         if (written.mapped().empty()) copy = memory.buffer(bytes, vulkan::MemoryKind::download, name);
         return {written.handle()};
     };
+    if (sizes.kept > 0) kept_ = memory.buffer(sizes.kept, vulkan::MemoryKind::device, "kept");
     frame_ = plan.frame({.seeds = seeds,
                          .workspace = {workspace_.handle()},
                          .header = make(header, sizes.header, "header"),
@@ -21,7 +22,8 @@ FrameBuffers::FrameBuffers(vulkan::Memory& memory, const votess::vulkan::Plan& p
                          .geometry = make(geometry, sizes.geometry, "geometry"),
                          .areas = make(areas, sizes.areas, "areas"),
                          .shifts = make(shifts, sizes.shifts, "shifts"),
-                         .weights = weights});
+                         .weights = weights,
+                         .kept = {kept_.handle()}});
 }
 
 void FrameBuffers::record_copies(vulkan::Commands& commands) const {
@@ -40,7 +42,8 @@ FrameArrays FrameBuffers::seen(std::span<const double> seeds, std::size_t count)
             .indices = array(indices).as<std::int32_t>(),
             .geometry = array(geometry).as<float>(),
             .areas = array(areas).as<float>(),
-            .shifts = array(shifts).as<std::int8_t>()};
+            .shifts = array(shifts).as<std::int8_t>(),
+            .kept = array(header).as<votess::vulkan::Header>().front().kept};
 }
 
 }  // namespace votess::gpu

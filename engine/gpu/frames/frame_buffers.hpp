@@ -35,7 +35,7 @@ private:
         [[nodiscard]] const vulkan::Buffer& seen() const { return copy ? copy : written; }
     };
 
-    vulkan::Buffer workspace_;
+    vulkan::Buffer workspace_, kept_;
     std::array<Made, 6> made_;
     votess::vulkan::Frame frame_;
 };

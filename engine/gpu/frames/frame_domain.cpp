@@ -81,18 +81,18 @@ void check_domain(const PlanOptions& options, const RecordOptions& of_frame) {
 
 // A quarter more than uniform seeds need.
 std::uint32_t usual_images(const PlanOptions& options) {
-    const double margin = margin_of(options, options.box, options.most_seeds);
+    const double margin = margin_of(options, options.box, options.max_seeds);
     double larger = 1;
     for (std::size_t k = 0; k < 3; ++k) {
         const double side = options.box.upper[k] - options.box.lower[k];
         if (options.periodic[k]) larger *= 1 + 2 * std::min(margin / side, 1.0);
     }
     if (options.cell) {
-        const gpu::CellImages images = images_of(options, *options.cell, options.most_seeds);
+        const gpu::CellImages images = images_of(options, *options.cell, options.max_seeds);
         larger = 1 / images.volume;
         for (std::size_t k = 0; k < 3; ++k) larger *= images.box.upper[k] - images.box.lower[k];
     }
-    return static_cast<std::uint32_t>(std::min(1.25 * (larger - 1) * options.most_seeds + 1000, 1.0 * max_of_all));
+    return static_cast<std::uint32_t>(std::min(1.25 * (larger - 1) * options.max_seeds + 1000, 1.0 * max_of_all));
 }
 
 void make_walls(PlanState& plan) {

@@ -18,6 +18,7 @@ public:
     Gatherer(const FrameArrays& frame, const Resolved& more, const Want& want, bool narrow, ThreadPool& pool)
         : frame_(frame), more_(more) {
         const std::size_t count = frame.cells.size();
+        out_.kept = frame.kept;
         out_.status.resize_uninitialized(count);
         if (want.volumes) out_.volumes.resize_uninitialized(count);
         if (want.centroids && narrow) out_.centroids32.resize_uninitialized(3 * count);

@@ -18,6 +18,7 @@ struct FrameArrays {
     std::span<const std::int32_t> indices;
     std::span<const float> geometry, areas;
     std::span<const std::int8_t> shifts;
+    std::size_t kept = 0;  // see Header
 };
 
 // Returns the cells. more: those that the CPU made instead. narrow: whether centroids are float32.

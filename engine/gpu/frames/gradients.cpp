@@ -51,7 +51,7 @@ void Gradients::record(vulkan::Recorder& recorder, const votess::vulkan::Frame& 
     GradientPush push{};
     push.count = count;
     push.total = seeds.count();
-    push.weights_at = 3 * options.most_seeds;
+    push.weights_at = 3 * options.max_seeds;
     push.shift = seeds.units().shift;
     push.bits = (arrays.shifts ? GRADIENT_SHIFTS : 0) | (options.weights ? GRADIENT_WEIGHTS : 0) |
                 (arrays.given_volumes ? GRADIENT_OF_VOLUMES : 0) |

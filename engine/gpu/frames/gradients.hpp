@@ -16,7 +16,7 @@ struct GradientArrays {
     Slice points, status, indptr, indices, shifts, volumes, centroids;
     Slice given_volumes, given_centroids, given_areas;  // one for each number of the arrays
     Slice slopes;                                       // scratch, slope_bytes a point
-    Slice gradient;  // 4 numbers for each of the plan's most_seeds: 3 by each point, then those by weights
+    Slice gradient;  // 4 numbers for each of the plan's max_seeds: 3 by each point, then those by weights
 };
 
 // The pipelines, for a device with float64.

@@ -33,6 +33,7 @@ HostFrames::HostFrames(std::shared_ptr<vulkan::Device> device, const votess::vul
 }
 
 void HostFrames::begin(std::size_t count, bool narrow) {
+    fresh_ = !has_run_;
     has_run_ = false;
     commands_.wait();  // for a run that was cancelled
     count_ = count;
@@ -45,7 +46,7 @@ void HostFrames::submit() {
     seeds_.flush();
     weights_.flush();
     commands_.begin();
-    buffers_->frame().record(commands_.handle(), {.count = static_cast<std::uint32_t>(count_)});
+    buffers_->frame().record(commands_.handle(), {.count = static_cast<std::uint32_t>(count_), .fresh = fresh_});
     buffers_->record_copies(commands_);
     commands_.barrier_to_host();
     commands_.end();
@@ -92,7 +93,7 @@ void HostFrames::vjp(const detail::FrameVectors& given, double* by_points, doubl
     };
     const std::vector<double> widened(rows.centroids32.begin(), rows.centroids32.end());
     const vulkan::Buffer slopes = memory_.buffer(count_ * Gradients::slope_bytes, vulkan::MemoryKind::device, "slopes");
-    const std::size_t capacity = plan_.options().most_seeds;
+    const std::size_t capacity = plan_.options().max_seeds;
     const vulkan::Buffer gradient =
         memory_.buffer(4 * capacity * sizeof(double), vulkan::MemoryKind::download, "gradient");
     const GradientArrays arrays{

@@ -28,7 +28,7 @@ public:
     [[nodiscard]] const std::shared_ptr<vulkan::Device>& device() const { return device_; }
     [[nodiscard]] const votess::vulkan::Plan& plan() const { return plan_; }
 
-    // Returns the cells of at most most_seeds points. weights: one each in a plan with weights, else none. Throws
+    // Returns the cells of at most max_seeds points. weights: one each in a plan with weights, else none. Throws
     // device_lost, out_of_memory, `cancelled`.
     template <class Real>
     [[nodiscard]] detail::FrameRows run(std::span<const Real> points, std::span<const double> weights) {
@@ -65,6 +65,7 @@ private:
     votess::vulkan::Resolved more_;  // cells of the last run that the CPU made
     std::size_t count_ = 0;
     bool narrow_ = false;  // the points were float32
+    bool fresh_ = true;    // the frame keeps no cells
     bool has_run_ = false;
 };
 

@@ -27,8 +27,8 @@ std::shared_ptr<gpu::vulkan::Instance> adopt(const HostInstance& host, bool debu
 }
 
 void check(const PlanOptions& options) {
-    if (options.most_seeds == 0 || options.most_seeds > max_of_all)
-        refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(max_of_all));
+    if (options.max_seeds == 0 || options.max_seeds > max_of_all)
+        refuse("max_seeds = " + std::to_string(options.max_seeds) + " must be 1 to " + std::to_string(max_of_all));
     if (options.stride < 3) refuse("stride = " + std::to_string(options.stride) + " must be 3 or more numbers");
     if (options.format != SeedFormat::float32 && options.format != SeedFormat::float64)
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
@@ -78,19 +78,19 @@ std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::
     settings.follow = options.follow;
     gpu::DeviceSeeds seeds;
     detail::make_walls(*state);
-    detail::set_domain(seeds, *state, {.count = options.most_seeds});  // throws where no frame is possible
+    detail::set_domain(seeds, *state, {.count = options.max_seeds});  // throws where no frame is possible
     state->passes.emplace(device, settings);
-    if (settings.images) state->images = options.most_images != 0 ? options.most_images : detail::usual_images(options);
+    if (settings.images) state->images = options.max_images != 0 ? options.max_images : detail::usual_images(options);
     if (state->images > max_of_all)
-        refuse("most_images = " + std::to_string(state->images) + " must be at most " + std::to_string(max_of_all));
-    state->chunk_cells = options.follow ? options.most_seeds + state->images
-                                        : gpu::usual_chunk(device, settings, options.chunk_size, options.most_seeds);
+        refuse("max_images = " + std::to_string(state->images) + " must be at most " + std::to_string(max_of_all));
+    state->chunk_cells = options.follow ? options.max_seeds + state->images
+                                        : gpu::usual_chunk(device, settings, options.chunk_size, options.max_seeds);
 
-    const VkDeviceSize n = options.most_seeds;
+    const VkDeviceSize n = options.max_seeds;
     constexpr std::uint32_t usual_row = 20;
     constexpr std::uint64_t max_entries = std::numeric_limits<std::uint32_t>::max();
-    state->entries = options.most_entries != 0
-                         ? options.most_entries
+    state->entries = options.max_entries != 0
+                         ? options.max_entries
                          : static_cast<std::uint32_t>(std::min(usual_row * std::uint64_t{n}, max_entries));
     BufferSizes& sizes = state->sizes;
     const VkDeviceSize number_bytes = options.format == SeedFormat::float32 ? 4 : 8;
@@ -104,20 +104,20 @@ std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::
     sizes.areas = options.areas ? sizes.indices : 0;
     sizes.shifts = settings.images ? sizes.indices : 0;
     gpu::PartOfBuffer workspace(device, VK_NULL_HANDLE, 0);
-    seeds.reserve(workspace, options.most_seeds, state->images, static_cast<std::uint32_t>(state->walls.size()),
+    seeds.reserve(workspace, options.max_seeds, state->images, static_cast<std::uint32_t>(state->walls.size()),
                   settings.weights);
     gpu::DeviceCells().reserve(workspace, state->chunk_cells, settings);
     if (options.follow) {
-        gpu::KeptFrames().reserve(workspace, options.most_seeds + state->images, options.most_seeds, {});
-        sizes.kept = gpu::KeptFrames::bytes(options.most_seeds, settings.images);
+        gpu::KeptFrames().reserve(workspace, options.max_seeds + state->images, options.max_seeds, {});
+        sizes.kept = gpu::KeptFrames::bytes(options.max_seeds, settings.images);
     }
     sizes.workspace = workspace.bytes();
-    check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
-    check_range(device, sizes.weights, "weights", "most_seeds or stride");
-    check_range(device, sizes.cells, "cells", "most_seeds");
-    check_range(device, sizes.geometry, "geometry", "most_seeds");
-    check_range(device, sizes.kept, "kept cells", "most_seeds, or leave out follow");
-    check_range(device, workspace.largest(), "largest part of the workspace", "most_seeds or chunk_size");
+    check_range(device, sizes.seeds, "seeds", "max_seeds or stride");
+    check_range(device, sizes.weights, "weights", "max_seeds or stride");
+    check_range(device, sizes.cells, "cells", "max_seeds");
+    check_range(device, sizes.geometry, "geometry", "max_seeds");
+    check_range(device, sizes.kept, "kept cells", "max_seeds, or leave out follow");
+    check_range(device, workspace.largest(), "largest part of the workspace", "max_seeds or chunk_size");
     return state;
 }
 

@@ -109,7 +109,7 @@ TEST_SUITE("cases") {
         options.box = test::unit_box();
         options.periodic = {true, false, true};
         CHECK(check(host, set, options) == "");
-        options.most_images = 1;  // too few
+        options.max_images = 1;  // too few
         CHECK(check(host, set, options) == "");
     }
 
@@ -124,7 +124,7 @@ TEST_SUITE("cases") {
         const Plan plan = host.plan(options);
         Target target(host, plan);
         target.write<float>(set.points, 4);
-        run(host, target, options.most_seeds);
+        run(host, target, options.max_seeds);
         CHECK(target.head().unresolved < set.size() / 50);
         CHECK(compare(collect<float>(plan, target, set.size()), on_cpu(set, options)) == "");
     }
@@ -155,7 +155,7 @@ TEST_SUITE("cases") {
                 target.write<float>(points, 3);
             else
                 target.write<double>(points, 3);
-            run(host, target, options.most_seeds);
+            run(host, target, options.max_seeds);
             check_header(target.head(), target.cell(set.size()));
             CHECK(target.head().outside == bad.size());
             CHECK(target.head().duplicates <= 1);  // resolve() decides where a tiny coordinate was rounded
@@ -189,7 +189,7 @@ TEST_SUITE("cases") {
         options.chunk_size = 150;
         const auto expected = on_cpu(set, options);
         for (const std::uint32_t entries : {1u, 500u, static_cast<std::uint32_t>(expected.indices().size() - 1)}) {
-            options.most_entries = entries;
+            options.max_entries = entries;
             const OneFrame frame(host, options, set.points);
             const Header h = frame.head();
             CHECK(h.entries > entries);
@@ -219,7 +219,7 @@ TEST_SUITE("cases") {
         test::Random random(10);
         for (int frame = 0; frame < 4; ++frame) {
             for (double& x : set.points) x = std::clamp(x + random.uniform(-0.02, 0.02), 0.0, 1.0);
-            const std::uint32_t count = options.most_seeds - static_cast<std::uint32_t>(frame) * 37;
+            const std::uint32_t count = options.max_seeds - static_cast<std::uint32_t>(frame) * 37;
             set.points.resize(std::size_t{3} * count);
             target.write<double>(set.points, 3);
             beside.write<double>(set.points, 3);
@@ -231,7 +231,7 @@ TEST_SUITE("cases") {
         host.commands.begin();
         const auto recording = test::allocations();
         target.frame.record(host.commands.handle(), {.count = 100});
-        beside.frame.record(host.commands.handle(), {.count = options.most_seeds - 1});
+        beside.frame.record(host.commands.handle(), {.count = options.max_seeds - 1});
         const auto after = test::allocations();
         host.commands.end();
         if (recording && !host.gpu.instance->validation()) CHECK(*recording == *after);
@@ -252,7 +252,7 @@ TEST_SUITE("cases") {
             for (const std::uint32_t present : {400u, 5000u, 250u, 1u, 0u}) {  // 5000: more than are recorded
                 CAPTURE(periodic);
                 CAPTURE(present);
-                const std::uint32_t count = std::min(present, options.most_seeds);
+                const std::uint32_t count = std::min(present, options.max_seeds);
                 PointSet shown = set;
                 shown.points.resize(std::size_t{3} * count);
                 Coordinates given = shown.points;
@@ -260,14 +260,14 @@ TEST_SUITE("cases") {
                 target.write<double>(given, 3);
                 number.as<std::uint32_t>()[1] = present;
                 number.flush();
-                run(host, one, {.count = options.most_seeds, .count_buffer = {number.handle(), 4}});
+                run(host, one, {.count = options.max_seeds, .count_buffer = {number.handle(), 4}});
                 const Header head = target.head();
                 CHECK(head.seeds == present);
                 CHECK(head.outside == 0);
                 CHECK(head.duplicates == 0);
                 CHECK(head.certified + head.unresolved == count);
-                for (std::uint32_t i = count; i < options.most_seeds; ++i)
-                    REQUIRE(target.cell(options.most_seeds)[i].status ==
+                for (std::uint32_t i = count; i < options.max_seeds; ++i)
+                    REQUIRE(target.cell(options.max_seeds)[i].status ==
                             static_cast<std::uint32_t>(CellStatus::outside));
                 if (count > 0) CHECK(compare(collect<double>(plan, target, count), on_cpu(shown, options)) == "");
             }
@@ -302,7 +302,7 @@ TEST_SUITE("cases") {
                                    .indices = {all.handle(), at[3]},
                                    .geometry = {all.handle(), at[4]},
                                    .areas = {all.handle(), at[5]}});
-        run(host, target, options.most_seeds);
+        run(host, target, options.max_seeds);
         all.invalidate();
         for (std::size_t i = 1; i < count; ++i)
             std::ranges::copy(all.mapped().subspan(at[i], parts[i]->mapped().size()), parts[i]->mapped().begin());
@@ -347,7 +347,7 @@ TEST_SUITE("cases") {
         const test::UseKernel chosen(test::by_subgroup());
         PlanOptions options;
         options.box = test::unit_box();
-        options.most_seeds = 1;
+        options.max_seeds = 1;
         auto device = host.device();
         real_address = device.host.get_instance_proc_addr;
         device.host.get_instance_proc_addr = address_that_counts;
@@ -363,12 +363,12 @@ TEST_SUITE("cases") {
         (void)first.with(options);
         CHECK(pipelines_made > of_first);
         CHECK(pipelines_made < of_first + 5);
-        options.most_seeds = 0;
+        options.max_seeds = 0;
         CHECK(test::error_of([&] { (void)first.with(options); }) == votess::ErrorCode::invalid_argument);
         options.geometry = true;
         for (const std::uint32_t seeds : {1000u, 100000u, 5000000u})
             for (const std::uint32_t chunk : {100u, 10000u}) {
-                options.most_seeds = seeds;
+                options.max_seeds = seeds;
                 options.chunk_size = chunk;
                 if (seeds == 100000) options.weights = WeightOptions{0, 1};
                 const VkDeviceSize each = options.weights ? 90 + 18 : 90;
@@ -403,9 +403,9 @@ TEST_SUITE("cases") {
             CHECK(said.starts_with("queue_family = " + std::to_string(device.queue_family) + " has no compute"));
         }
         PlanOptions options = good;
-        options.most_seeds = 0;
+        options.max_seeds = 0;
         CHECK(refused([&] { Plan(host.device(), options); }));
-        CHECK(said == "most_seeds = 0 must be 1 to 134217728");
+        CHECK(said == "max_seeds = 0 must be 1 to 134217728");
         options = good;
         options.stride = 2;
         CHECK(refused([&] { Plan(host.device(), options); }));
@@ -433,7 +433,7 @@ TEST_SUITE("cases") {
         CHECK(refused([&] { target.frame.record(VK_NULL_HANDLE, {}); }));
         host.commands.begin();
         CHECK(refused([&] { target.frame.record(host.commands.handle(), {.count = 51}); }));
-        CHECK(said == "count = 51 is more than most_seeds = 50");
+        CHECK(said == "count = 51 is more than max_seeds = 50");
         host.commands.end();
         const std::vector<double> few(10);
         const std::vector<Cell> cells(50);

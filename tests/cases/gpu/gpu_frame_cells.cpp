@@ -52,9 +52,9 @@ TEST_SUITE("cases") {
                 if (by_subgroup) kernel.emplace(test::by_subgroup());
                 const std::size_t n = test::by_size(500, 150);
                 PlanOptions options;
-                options.most_seeds = static_cast<std::uint32_t>(n);
+                options.max_seeds = static_cast<std::uint32_t>(n);
                 options.format = SeedFormat::float64;
-                options.most_entries = 64 * options.most_seeds;
+                options.max_entries = 64 * options.max_seeds;
                 options.areas = true;
                 options.cell = cell;
                 const Plan plan = host.plan(options);
@@ -74,7 +74,7 @@ TEST_SUITE("cases") {
                     }
                     first.write<double>(sets[0].points, 3);
                     second.write<double>(sets[1].points, 3);
-                    run(host, both, {.count = options.most_seeds});
+                    run(host, both, {.count = options.max_seeds});
                     for (int t = 0; t < 2; ++t) {
                         const Target& target = *both[t];
                         check_header(target.head(), target.cell(n));
@@ -123,9 +123,9 @@ TEST_SUITE("cases") {
         PointSet set = test::uniform(200, 32);
         set.box.reset();
         PlanOptions options;
-        options.most_seeds = 200;
+        options.max_seeds = 200;
         options.format = SeedFormat::float64;
-        options.most_entries = 64 * options.most_seeds;
+        options.max_entries = 64 * options.max_seeds;
         options.areas = true;
         options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.25, 1, 0}, {0, 0.125, 1}};
         for (std::size_t i = 0; i < set.size(); ++i) {
@@ -137,7 +137,7 @@ TEST_SUITE("cases") {
         const auto check_frame = [&](const std::optional<votess::TriclinicBox>& cell) {
             target.write<double>(set.points, 3);
             const Target* const one[] = {&target};
-            run(host, one, {.count = options.most_seeds, .cell = cell});
+            run(host, one, {.count = options.max_seeds, .cell = cell});
             check_header(target.head(), target.cell(set.size()));
             PlanOptions used = options;
             if (cell) used.cell = cell;
@@ -155,10 +155,10 @@ TEST_SUITE("cases") {
         set.points[2] = 0;  // certainly on a face
         CHECK(check_frame({}) < 40);
         set.points[5] = 1;  // on the opposite one, not certainly
-        CHECK(check_frame({}) == options.most_seeds);
+        CHECK(check_frame({}) == options.max_seeds);
         set.points[5] = 4;
         target.write<double>(set.points, 3);
-        run(host, target, options.most_seeds);
+        run(host, target, options.max_seeds);
         CHECK(target.head().outside == 1);
 
         const auto code_of = [&](auto change) {

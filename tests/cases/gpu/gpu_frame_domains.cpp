@@ -27,7 +27,7 @@ TEST_SUITE("cases") {
             for (double& x : set.points) x *= factor;
             target.write<double>(set.points, 3);
             const votess::Box box = test::cube(-factor * factor, 2e4 * factor);
-            run(host, one, {.count = options.most_seeds, .box = box});
+            run(host, one, {.count = options.max_seeds, .box = box});
             options.box = box;
             CHECK(compare(collect<double>(plan, target, set.size(), box), on_cpu(set, options)) == "");
         }
@@ -119,7 +119,7 @@ TEST_SUITE("cases") {
         std::uint32_t images = 0;
         for (const double margin : {0.0, 1e-3, 0.1, 7.0}) {
             options.margin = margin;
-            options.most_images = margin == 7 ? 30 * options.most_seeds : 0;
+            options.max_images = margin == 7 ? 30 * options.max_seeds : 0;
             const OneFrame frame(host, options, set.points);
             if (margin == 0) images = frame.head().images;
             CHECK((margin == 1e-3) == (frame.head().images < 20));
@@ -128,10 +128,10 @@ TEST_SUITE("cases") {
         options.margin = 0;
         REQUIRE(images > 10);
         for (const std::uint32_t places : {1u, images - 1, images}) {
-            options.most_images = places;
+            options.max_images = places;
             const OneFrame frame(host, options, set.points);
             CHECK(frame.head().images == images);
-            CHECK((frame.head().unresolved == options.most_seeds) == (places < images));
+            CHECK((frame.head().unresolved == options.max_seeds) == (places < images));
             CHECK(compare(frame.rows(), expected) == "");
         }
         const PointSet lattice = test::bcc(4);

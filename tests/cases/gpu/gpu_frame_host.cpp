@@ -47,7 +47,7 @@ TEST_SUITE("cases") {
         PlanOptions options = options_for(set);
         const auto expected = on_cpu(set, options);
         const auto run = [&](HostFrames& frames) { return frames.run(std::span<const double>(set.points), {}); };
-        options.most_entries = 1500;  // half of the rows
+        options.max_entries = 1500;  // half of the rows
         HostFrames frames(gpu.device, options, everything, 1);
         CHECK(!frames.has_run());
         const auto first = run(frames);

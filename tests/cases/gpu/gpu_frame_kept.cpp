@@ -30,8 +30,8 @@ struct Follower {
     test::Random random{3};
 
     Follower(Host& with, std::size_t n, PlanOptions of = {}) : host(with), options(std::move(of)) {
-        options.most_seeds = static_cast<std::uint32_t>(n);
-        options.most_entries = 64 * options.most_seeds;
+        options.max_seeds = static_cast<std::uint32_t>(n);
+        options.max_entries = 64 * options.max_seeds;
         options.format = SeedFormat::float64;
         options.follow = options.areas = options.list_walls = true;
         if (!options.cell) options.box = test::unit_box();

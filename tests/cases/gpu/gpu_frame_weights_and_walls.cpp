@@ -24,9 +24,9 @@ namespace {
 
 PlanOptions plan_options(std::size_t n, const votess::Box& box) {
     PlanOptions options;
-    options.most_seeds = static_cast<std::uint32_t>(n);
+    options.max_seeds = static_cast<std::uint32_t>(n);
     options.format = SeedFormat::float64;
-    options.most_entries = 64 * options.most_seeds;
+    options.max_entries = 64 * options.max_seeds;
     options.areas = true;
     options.box = box;
     return options;
@@ -51,7 +51,7 @@ Outcome in_flight(Host& host, const PlanOptions& options, bool by_subgroup, cons
     const Target* const both[] = {&first, &second};
     Random random(7);
     Outcome outcome;
-    const std::size_t n = options.most_seeds;
+    const std::size_t n = options.max_seeds;
     for (int frame = 0; frame < 2; ++frame) {
         Moving moved[2];
         for (std::size_t t = 0; t < 2; ++t) {
@@ -60,7 +60,7 @@ Outcome in_flight(Host& host, const PlanOptions& options, bool by_subgroup, cons
             target.write<double>(moved[t].set.points, options.stride);
             if (options.weights) target.write_weights(moved[t].weights);
         }
-        run(host, both, {.count = options.most_seeds});
+        run(host, both, {.count = options.max_seeds});
         for (std::size_t t = 0; t < 2; ++t) {
             const Target& target = *both[t];
             const Header h = target.head();
@@ -76,7 +76,7 @@ Outcome in_flight(Host& host, const PlanOptions& options, bool by_subgroup, cons
     // Recording allocates nothing, except in the validation layer.
     host.commands.begin();
     const auto recording = test::allocations();
-    first.frame.record(host.commands.handle(), {.count = options.most_seeds - 1});
+    first.frame.record(host.commands.handle(), {.count = options.max_seeds - 1});
     const auto after = test::allocations();
     host.commands.end();
     if (recording && !host.gpu.instance->validation()) CHECK(*recording == *after);
@@ -177,7 +177,7 @@ TEST_SUITE("cases") {
                                      std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()};
         for (std::size_t k = 0; k < bad.size(); ++k) both[4 * (5 + k) + 3] = bad[k];
         target.weights.flush();
-        run(host, target, options.most_seeds);
+        run(host, target, options.max_seeds);
         const Header h = target.head();
         check_header(h, target.cell(n));
         CHECK(h.outside == bad.size());
@@ -272,7 +272,7 @@ TEST_SUITE("cases") {
             set.points[30] = x, set.points[31] = 0.75;
             set.points[39] = 1.5;  // outside of the box
             target.write<float>(set.points, 3);
-            run(host, target, options.most_seeds);
+            run(host, target, options.max_seeds);
             const Header h = target.head();
             check_header(h, target.cell(n));
             CHECK(h.outside > n / 3);

@@ -734,7 +734,7 @@ static void check_frames(void) {
     CHECK_REFUSES(votess_frames_resolve(NULL, &cells), "frames is NULL");
     CHECK_REFUSES(votess_frames_device(NULL, NULL, 0), "frames is NULL");
     CHECK_REFUSES(votess_frame_cells_array(NULL, "status", &last), "cells is NULL");
-    CHECK(votess_frame_cells_unresolved(NULL) == 0);
+    CHECK(votess_frame_cells_unresolved(NULL) == 0 && votess_frame_cells_kept(NULL) == 0);
     options.outside = VOTESS_OUTSIDE_DROP;
     frames.exported = 5;
     CHECK_REFUSES(votess_frames_new(&frames, &options, NULL, &made), "frames.exported = 5");

@@ -150,9 +150,9 @@ void check_header(const Header& h, std::span<const Cell> cells) {
 
 PlanOptions options_for(const PointSet& set) {
     PlanOptions options;
-    options.most_seeds = static_cast<std::uint32_t>(set.size());
+    options.max_seeds = static_cast<std::uint32_t>(set.size());
     options.format = SeedFormat::float64;
-    options.most_entries = 64 * options.most_seeds;
+    options.max_entries = 64 * options.max_seeds;
     options.areas = true;  // most tests share the pipelines that measure them
     votess::Options whole;
     whole.box = set.box;
@@ -181,8 +181,8 @@ std::string check(Host& host, const PointSet& set, PlanOptions options) {
 
 std::string check(Host& host, std::span<const PointSet> sets, PlanOptions options) {
     for (const PointSet& set : sets)
-        options.most_seeds = std::max(options.most_seeds, static_cast<std::uint32_t>(set.size()));
-    options.most_entries = 64 * options.most_seeds;
+        options.max_seeds = std::max(options.max_seeds, static_cast<std::uint32_t>(set.size()));
+    options.max_entries = 64 * options.max_seeds;
     options.format = SeedFormat::float64;
     options.areas = true;
     options.box = options_for(sets.front()).box;

@@ -69,7 +69,7 @@ struct Seeds {
 
 votess::vulkan::PlanOptions plan_options(const Input& input, const Seeds& seeds, const FrameRow& row) {
     votess::vulkan::PlanOptions options;
-    options.most_seeds = static_cast<std::uint32_t>(input.size());
+    options.max_seeds = static_cast<std::uint32_t>(input.size());
     if (input.cell) {
         options.cell = input.cell;
     } else {
@@ -83,7 +83,7 @@ votess::vulkan::PlanOptions plan_options(const Input& input, const Seeds& seeds,
     options.walls = input.walls;
     options.neighbors = row.rows;
     options.geometry = row.geometry;
-    options.most_entries = entries_each * options.most_seeds;
+    options.max_entries = entries_each * options.max_seeds;
     return options;
 }
 
@@ -145,7 +145,7 @@ void Frames::measure(FrameRow& row, const Input& input, int repeats, bool to_com
         const Stopwatch stopwatch;
         host::run_once(device, [&](VkCommandBuffer commands) {
             if (times.get()) vkCmdResetQueryPool(commands, times.get(), 0, Timestamps::slots);
-            frame.record(commands, {.count = options.most_seeds, .timestamps = {times.get(), 0}});
+            frame.record(commands, {.count = options.max_seeds, .timestamps = {times.get(), 0}});
         });
         const double seconds = stopwatch.seconds();
         if (repeat < 0) {
@@ -162,7 +162,7 @@ void Frames::measure(FrameRow& row, const Input& input, int repeats, bool to_com
     row.unresolved = header.unresolved;
     row.check = "not compared";
     if (to_compare) compare(row, device, buffers, input, seeds);
-    if (header.entries > options.most_entries) {
+    if (header.entries > options.max_entries) {
         row.check = "WRONG: rows need more room than was given";
         row.wrong = true;
     }
