@@ -179,7 +179,7 @@ void check_one_z(const Ranks& ranks, const std::string& path, const Input& input
         ranks.together([&] {
             if (z != *first)
                 throw bad_input(path + ": a point has z = " + to_text(z) + ", another has " + to_text(*first) +
-                                ": in two dimensions all have one z; leave --2d out, or name two --columns");
+                                ": points of the plane have one z; choose others, or name two --columns of a table");
         });
     }
 }

@@ -219,9 +219,9 @@ votess::TriclinicBox cell_of(const Vector3& lengths, const Vector3& angles) {
 void check_one_plane(const std::string& path, const Input& input, double z, std::optional<std::uint64_t> first) {
     for (std::size_t i = 0; i < input.size(); ++i)
         if (const double of_point = input.points[3 * i + 2]; of_point != z)
-            throw bad_input(path + ": " + (first ? "point " + std::to_string(*first + i) : "a point") +
-                            " has z = " + to_text(of_point) + ", " + (first ? "point 0" : "another") + " has " +
-                            to_text(z) + ": in two dimensions all have one z; leave --2d out, or name two --columns");
+            throw bad_input(path + ": " + (first ? "point " + std::to_string(*first + i) : "a point") + " has z = " +
+                            to_text(of_point) + ", " + (first ? "point 0" : "another") + " has " + to_text(z) +
+                            ": points of the plane have one z; choose others, or name two --columns of a table");
 }
 
 void fit_dimensions(const std::string& path, const ReadRequest& request, Input& input) {

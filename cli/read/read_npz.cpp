@@ -68,8 +68,8 @@ private:
         return bad_input(name_ + ": no array " + in_quotes(name) + "; there are " + list(all));
     }
 
-    // Returns the member named by --dataset, or `points`, or the only array that fits; null when there are x, y and
-    // perhaps z instead.
+    // Returns the member named by --dataset, or `points`, or the only array that fits and is not of the domain; null
+    // when there are x, y and perhaps z instead.
     [[nodiscard]] const ZipMember* find_points() const {
         if (!request_.dataset.empty()) {
             if (const ZipMember* const member = find(request_.dataset)) return member;
@@ -87,7 +87,7 @@ private:
         for (const std::size_t columns : columns_of(request_.dimensions)) {
             for (const ZipMember& member : members_) {
                 const std::string name = plain_name(member);
-                if (!member.name.ends_with(".npy") || name == "box" || name == "cell") continue;
+                if (!member.name.ends_with(".npy") || name == "box" || name == "cell" || name == "walls") continue;
                 const NpyArray array = open(member);
                 if (array.has_columns(columns) && array.is_float()) candidates.push_back(&member);
             }
@@ -97,7 +97,9 @@ private:
         if (candidates.empty()) {
             // Whoever reads an array of another type says which type it expects.
             for (const ZipMember& member : members_)
-                if (member.name.ends_with(".npy") && open(member).has_columns(flat ? 2 : 3)) return &member;
+                if (const std::string name = plain_name(member);
+                    member.name.ends_with(".npy") && name != "walls" && open(member).has_columns(flat ? 2 : 3))
+                    return &member;
             throw bad_input(name_ + ": no array of floats with shape " + shapes_of(request_.dimensions) +
                             (flat ? ", nor arrays x and y" : ", nor arrays x, y and z"));
         }

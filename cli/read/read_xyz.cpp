@@ -62,7 +62,8 @@ public:
         const auto properties = value_of(comment, "properties");
         if (properties) read_properties(*properties);
         for (const char* const key : {"timestep", "step"}) {
-            if (const auto step = value_of(comment, key); step && read_int64(*step)) input.timestep = *step;
+            if (const auto step = value_of(comment, key); step && std::isfinite(read_double(*step).value_or(NAN)))
+                input.timestep = *step;
         }
         const auto count = static_cast<std::size_t>(count_);
         if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);

@@ -202,6 +202,8 @@ public:
         surface_ = read_surface("--surface", arguments_.surface_file);
         surface_.merge |= arguments_.mesh.merge;
         surface_.tolerance = arguments_.mesh.tolerance;
+        if (surface_.tolerance > 0 && !surface_.merge)
+            throw bad_input("--mesh-tolerance needs --mesh-repair merge: give both");
         report_.add("surface_triangles", surface_.triangles.size() / 3);
         arguments_.remesh ? remesh() : find_cells();
         const InterruptGuard guard;

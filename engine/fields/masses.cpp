@@ -363,7 +363,7 @@ private:
 
 }  // namespace
 
-std::vector<double> checked_values(const Density& density, bool planar, const std::string& function) {
+std::vector<double> checked_values(const Density& density, bool planar, const std::string& function, bool may_be_zero) {
     const auto refuse = [&](const std::string& message) {
         throw Error(ErrorCode::invalid_argument, function + "(): the density: " + message);
     };
@@ -392,7 +392,8 @@ std::vector<double> checked_values(const Density& density, bool planar, const st
                        ": it must be finite and not negative");
         }
     });
-    if (!(sum > 0) || !std::isfinite(sum)) refuse("its values sum to " + number(sum) + ": there is no mass to divide");
+    if (!std::isfinite(sum)) refuse("its values sum to " + number(sum) + ": give it in another unit");
+    if (sum == 0 && !may_be_zero) refuse("all values are 0: there is no mass to divide");
     return values;
 }
 
@@ -422,7 +423,7 @@ Masses masses(const Tessellation& t, const Density& density, unsigned threads) {
         throw Error(ErrorCode::invalid_argument, "masses(): " + message);
     };
     check_threads(threads);
-    const std::vector<double> values = fields::checked_values(density, t.planar(), "masses");
+    const std::vector<double> values = fields::checked_values(density, t.planar(), "masses", true);
     if (t.size() == 0) return {};
     if (t.face_offsets().size() != t.indices().size() + 1)
         refuse("the tessellation has no polygons, set " + option("want.faces"));

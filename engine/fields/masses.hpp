@@ -11,8 +11,9 @@
 
 namespace votess::fields {
 
-// Returns a copy of the values. function: for messages.
-[[nodiscard]] std::vector<double> checked_values(const Density& density, bool planar, const std::string& function);
+// Returns a copy of the values. function: for messages. may_be_zero: whether all of them may be 0.
+[[nodiscard]] std::vector<double> checked_values(const Density& density, bool planar, const std::string& function,
+                                                 bool may_be_zero);
 
 // values: of the cells of the frame. t: with faces, or with neighbors and `flat`, the cells of a sheet. walls: whether
 // their faces have masses too; else 0.

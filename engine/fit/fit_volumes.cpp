@@ -240,7 +240,7 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
         mesh_volume = volume_in(closed, in_space.region);
     }
     std::vector<double> values;
-    if (options.density) values = fields::checked_values(*options.density, whole.region.planar, "fit_volumes");
+    if (options.density) values = fields::checked_values(*options.density, whole.region.planar, "fit_volumes", false);
     const Job job = make_job(std::move(in_space));
     const std::size_t count = job.points.count();
     if (count > 0) {

@@ -68,7 +68,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
         refuse("picture: " + std::to_string(points.size()) + " coordinates for " + std::to_string(n) + " cells");
     }
     if (n == 0) refuse("picture: no cell to draw");
-    if (!t.in_mesh() && (t.face_offsets().size() != t.indices().size() + 1 || t.vertices().empty())) {
+    if (!t.in_mesh() && t.face_offsets().size() != t.indices().size() + 1) {
         refuse("picture: the tessellation has no faces: set " + option("want.faces"));
     }
     if (options.values.empty() && t.volumes().size() != n) {

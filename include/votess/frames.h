@@ -40,9 +40,10 @@ typedef struct votess_frames_options {
 
 // Opens the device and makes its pipelines, which may take seconds. The domain of the options is a finite box or a
 // cell. `want` may have neighbors, volumes, centroids and areas. The device "auto" is a GPU, or without one a software
-// device. `follow` keeps the cells for the next run: those that still hold are not made again. It pays where points move by
-// at most a hundredth of their distance. Refused: planar, mesh, only, min_face, min_area, weights, radii, outside = keep, duplicates = error,
-// precision = double. share: frames whose device and pipelines the new ones use too, in milliseconds; or NULL.
+// device. `follow` keeps the cells for the next run: those that still hold are not made again. It pays where points
+// move by at most a hundredth of their distance. Refused: planar, mesh, only, min_face, min_area, weights, radii,
+// outside = keep, duplicates = error, precision = double. share: frames whose device and pipelines the new ones use
+// too, in milliseconds; or NULL.
 VOTESS_API votess_status votess_frames_new(const votess_frames_options* frames, const votess_options* options,
                                            const votess_frames* share, votess_frames** out);
 VOTESS_API void votess_frames_free(votess_frames* frames);  // NULL does nothing

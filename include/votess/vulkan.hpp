@@ -102,7 +102,7 @@ struct WeightOptions {
 
 struct PlanOptions {
     std::uint32_t max_seeds = 0;  // maximum of one frame
-    Box box{};                     // seeds outside, or not finite, get status `outside` and no cell
+    Box box{};                    // seeds outside, or not finite, get status `outside` and no cell
     // Axes along which the box repeats. Seeds up to one side length outside are wrapped into it, without rounding. The
     // device makes images of the seeds up to `margin` around the box. Cells that reach farther stay unresolved; all
     // cells do when max_images is too small (see Header::images).
@@ -121,11 +121,11 @@ struct PlanOptions {
     double margin = 0;
     std::uint32_t max_images = 0;  // maximum number of images; 0 = a quarter more than uniform seeds have
     SeedFormat format = SeedFormat::float32;
-    std::uint32_t stride = 3;        // numbers from one seed to the next, at least 3: 4 for a vec4
-    bool neighbors = true;           // rows of neighbors
-    bool geometry = true;            // volumes and centroids
-    bool areas = false;              // areas of the faces behind the entries of rows
-    bool list_walls = false;         // list the ids of walls in the rows too
+    std::uint32_t stride = 3;       // numbers from one seed to the next, at least 3: 4 for a vec4
+    bool neighbors = true;          // rows of neighbors
+    bool geometry = true;           // volumes and centroids
+    bool areas = false;             // areas of the faces behind the entries of rows
+    bool list_walls = false;        // list the ids of walls in the rows too
     std::uint32_t max_entries = 0;  // maximum of all rows together; 0 = 20 a seed. See Header::entries
     // Cells in flight: more workspace, more speed, longer dispatches. 0 = automatic: 2^20 on GPUs with memory of their
     // own, 2^17 on other GPUs.

@@ -306,6 +306,11 @@ class Plane(CliTest):
         self.put("solid.txt", "1 0 0\n0 1 0\n0 0 1\n")
         self.put("a.csv", "x,y,m\n0,0,1\n1,1,1\n")
         self.put("z.npy", np.random.default_rng(1).random((9, 3)))
+        walls = {"walls": np.ones((3, 3))}  # of a plane: they look like points of space
+        np.savez(self.folder / "walls.npz", **walls)
+        if h5py:
+            with h5py.File(self.folder / "walls.h5", "w") as file:
+                file.update(walls)
         for arguments, says in [
                 (["a.txt", "--2d", "--box", "0,0,0,1,1,1"], "--box must be 4 numbers x0,y0,x1,y1, not '0,0,0,1,1,1': --2d"),
                 (["a.txt", "--2d", "--cell", "1,0,0,0,1,0,0,0,1"], "--cell must be 4 numbers ax,ay,bx,by"),
@@ -316,8 +321,9 @@ class Plane(CliTest):
                 (["a.txt", "--2d", "--box", SQUARE, "--periodic", "xz"], "--periodic xz needs three dimensions, but --2d"),
                 
                 (["solid.txt", "--box", SQUARE], "the points have three coordinates: add --2d"),
-                (["z.npy", "--2d"], ["point 1 has z", "leave --2d out"]),
-                (["z.npy", "--columns", "1,2"], "--columns goes with"),
+                (["z.npy", "--2d"], ["point 1 has z", "points of the plane"]),
+                (["z.npy", "--columns", "1,2"], "--columns goes with"), (["walls.npz"], "no array of floats with shape"),
+                *([(["walls.h5"], "no dataset of floats with shape")] if h5py else []),
                 (["a.csv"], ["lacks 'z'", "--2d"]), (["solid.txt", "--radii", "3"], ["in addition to the named ones", "--2d"]), (["a.csv", "--2d", "--columns", "x,y,m"], "--columns x,y,m needs three dimensions"),
                 (["a.txt", "--columns", "1"], "X,Y in two dimensions"), (["--random", 9, "--box", SQUARE], "for two dimensions add --2d"),
                 (["--random", 9, "--2d", "--image", "a.png", "--slice", "z=0"], "--slice needs three dimensions, but --2d means two: leave one of them out"),
@@ -329,7 +335,7 @@ class Plane(CliTest):
                 (["a.csv", "--2d", "--to-grid", "mean", "--values", "m", "--shape", "2,2,2", "-o", "g.npy"], "--shape has 3 numbers, but the points 2"),
                 (["solid.txt", "--to-grid", "dtfe", "--shape", "2,2", "-o", "g.npy"], "give NX,NY,NZ or N"),
                 (["a.csv", "--2d", "--to-grid", "mean", "--values", "m", "--shape", "2", "--project", "z", "-o", "g.npy"], "--project z needs three"),
-                (["z.npy", "--2d", "--memory", "1G", "-o", "a.h5"], ["point 1 has z", "leave --2d out"]),
+                (["z.npy", "--2d", "--memory", "1G", "-o", "a.h5"], ["point 1 has z", "points of the plane"]),
                 (["solid.txt", "--box", SQUARE, "--memory", "1G", "-o", "a.h5"], "the points have three coordinates: add --2d"),
                 (["a.txt", "--2d", "--wall-sphere", "0,0,0,1,9"], "--wall-sphere needs three"),
                 (["a.txt", "--2d", "--box", "none", "-o", "a.vtu"], "leave out cells that reach infinity by --open skip")]:

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from . import _c_api
 
 
+def counted(count: int, noun: str) -> str:
+    """Returns a number and its noun, for a message."""
+    return f"{count} {noun}" + ("" if count == 1 else "s")
+
+
 def shown(value: Any) -> str:
     """Returns a value for a message, in one line."""
     if value is None or isinstance(value, (str, bytes, bool, numbers.Number, np.generic, list, tuple)):

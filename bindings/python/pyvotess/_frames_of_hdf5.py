@@ -29,7 +29,7 @@ def _points(file: Any, group: str, where: str) -> str:
         shape: Tuple[int, ...] = getattr(item, "shape", None) or ()
         name = _stem(path).rsplit("/", 1)[-1].lower()
         vectors = len(shape) in (2, 3) and item.dtype.kind == "f" and shape[-1] in found
-        if vectors and path.startswith(group) and name not in _VECTORS and not _stem(path).endswith("/box/edges"):
+        if vectors and path.startswith(group) and name not in _VECTORS and path != "walls" and not _stem(path).endswith("/box/edges"):
             found[shape[-1]].append(path)
 
     file.visititems(visit)

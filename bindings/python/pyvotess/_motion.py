@@ -28,7 +28,9 @@ def _cross(a: Float64Array, b: Float64Array) -> Float64Array:
 
 
 def _length(a: Float64Array) -> Float64Array:
-    return np.sqrt(dot(a, a))
+    unit = 2.0 ** int(np.frexp(np.abs(a).max(initial=0.0))[1])  # so that squares stay in range
+    lengths: Float64Array = unit * np.sqrt(dot(a / unit, a / unit))
+    return lengths
 
 
 def _ratio(a: Float64Array, b: Float64Array) -> Float64Array:

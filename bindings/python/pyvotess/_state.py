@@ -344,12 +344,12 @@ class Cells:
 
     @property
     def open_cells(self) -> npt.NDArray[np.bool_]:
-        """(N,) True for a cell that reaches infinity. Needs "volumes", "areas" or "faces" in want."""
+        """(N,) True for a cell that reaches infinity. Needs "volumes" or "faces" in want, or "areas" with ``list_walls``."""
         if not self._is_endless:
             return np.zeros(len(self), bool)
         if "volumes" in self._wanted:
             return np.isinf(self.volumes)
-        if "areas" in self._wanted:
+        if "areas" in self._wanted and self.lists_walls:
             infinite = np.isinf(self.face_areas)
         elif self.planar:
             infinite = np.all(self.faces.indices.reshape(-1, 2) == -1, axis=1)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Tuple, Union
 
 import numpy as np
 
 from ._arguments import as_path, shown
+from ._input import as_points
 from .export.whole_file import whole_file
 from .frames import Frame
 
@@ -21,18 +24,26 @@ def _texts(values: npt.NDArray[Any]) -> List[str]:
     """Returns a text for each row: numbers with the fewest digits that read back the same."""
     if values.dtype.kind == "U":
         return list(map(str, values.tolist()))
+    if values.dtype.kind == "u" and values.max(initial=0) >= 2**63:
+        raise ValueError(f"{values.max()} is a number that the file cannot hold: give numbers below 2**63")
     numbers = values.astype(np.int64 if values.dtype.kind in "iub" else np.float64)
     return [" ".join(map(repr, row)) for row in numbers.reshape(len(numbers), int(np.prod(numbers.shape[1:]))).tolist()]
 
 
-def _named(frame: Frame) -> Dict[str, npt.NDArray[Any]]:
-    """Returns the columns of a frame. Raises ValueError for those that a line cannot hold."""
+def _are_words(texts: List[str]) -> bool:
+    return all(word.split() == [word] for word in texts)
+
+
+def _named(frame: Frame, *taken: str) -> Dict[str, npt.NDArray[Any]]:
+    """Returns the columns of a frame. Raises ValueError for those that a line cannot hold, and for names that are taken."""
     columns = {}
     for name, given in frame.columns.items():
         values = np.asarray(given)
-        if values.ndim not in (1, 2) or len(values) != len(frame) or values.dtype.kind not in "iubfU":
+        if name in taken:
+            raise ValueError(f"frame {frame.number}: the file has a column {name!r} of its own: give this one another name")
+        if values.ndim not in (1, 2) or len(values) != len(frame) or values.dtype.kind not in "iubfU" or 0 in values.shape[1:]:
             raise ValueError(f"frame {frame.number}: column {name!r} has shape {values.shape}: give {len(frame)} rows of numbers or words")
-        if values.dtype.kind == "U" and (values.ndim == 2 or not all(word.split() == [word] for word in values.tolist())):
+        if values.dtype.kind == "U" and (values.ndim == 2 or not _are_words(values.tolist())):
             raise ValueError(f"frame {frame.number}: column {name!r} holds texts that are not one word")
         if name.split() != [name] or set(name) & set('":='):
             raise ValueError(f"frame {frame.number}: {name!r} is not a name for a column: leave blanks, quotes, colons and = out")
@@ -49,6 +60,8 @@ def _edges(frame: Frame) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float6
     if domain is None or domain.surface is not None or len(domain.walls) > 0 or (domain.limits is None and domain.vectors is None):
         raise ValueError(f"frame {frame.number}: the file states a box or a cell, and its domain is {domain}: give one in Frame.domain")
     limits, size = domain.limits, frame.points.shape[1]
+    if len(domain.periodic) != size:
+        raise ValueError(f"frame {frame.number}: points have {size} coordinates, and its domain has {len(domain.periodic)}")
     corner, edges = np.full(3, -0.5), np.eye(3)
     if limits is not None:
         if not np.isfinite(limits).all():
@@ -74,8 +87,19 @@ def _places(frame: Frame) -> npt.NDArray[np.float64]:
 def _species(frame: Frame, otherwise: str) -> Tuple[bool, npt.NDArray[Any]]:
     """Returns whether the species are types, and a column of types or elements."""
     words = np.asarray([otherwise] * len(frame) if frame.species is None else frame.species, dtype=str)
-    whole = frame.species is not None and all(word.lstrip("+-").isdigit() for word in words.tolist())
-    return whole, words
+    if words.shape != (len(frame),) or not _are_words(words.tolist()):
+        raise ValueError(f"frame {frame.number}: species have shape {words.shape}: give {len(frame)} words, without blanks")
+    types = [re.fullmatch(r"[+-]?[0-9]+", word) is not None for word in words.tolist()]
+    if frame.species is not None and any(types) and not all(types):
+        raise ValueError(f"frame {frame.number}: some species are numbers and others are not: give types or elements")
+    return frame.species is not None and all(types), words
+
+
+def _ids(frame: Frame) -> npt.NDArray[Any]:
+    ids = np.asarray(frame.ids)
+    if ids.shape != (len(frame),) or ids.dtype.kind not in "iu":
+        raise ValueError(f"frame {frame.number}: ids have shape {ids.shape}: give {len(frame)} whole numbers")
+    return ids
 
 
 def _xyz(frame: Frame) -> str:
@@ -83,8 +107,8 @@ def _xyz(frame: Frame) -> str:
     whole, species = _species(frame, "X")
     columns: List[Column] = [("type" if whole else "species", species.astype(np.int64) if whole else species), ("pos", _places(frame))]
     if frame.ids is not None:
-        columns.append(("id", np.asarray(frame.ids)))
-    columns += _named(frame).items()
+        columns.append(("id", _ids(frame)))
+    columns += _named(frame, *(name for name, _ in columns)).items()
     kinds = {"i": "I", "u": "I", "b": "I", "f": "R", "U": "S"}
     names = [f"{name}:{kinds[values.dtype.kind]}:{1 if values.ndim == 1 else values.shape[1]}" for name, values in columns]
     step = "" if frame.timestep is None else f" Timestep={frame.timestep:.17g}"
@@ -105,13 +129,13 @@ def _dump(frame: Frame) -> str:
     flags = "".join(" pp" if axis else " ff" for axis in periodic)
     bounds = "".join(line + "\n" for line in _texts(box))
     whole, species = _species(frame, "1")
-    ids = np.arange(1, len(frame) + 1) if frame.ids is None else np.asarray(frame.ids)
+    ids = np.arange(1, len(frame) + 1) if frame.ids is None else _ids(frame)
     columns: List[Column] = [("id", ids), ("type" if whole or frame.species is None else "element", species), ("x y z", _places(frame))]
-    for name, values in _named(frame).items():
+    for name, values in _named(frame, "id", "type", "element", "x", "y", "z").items():
         parts = [name] if values.ndim == 1 else [f"{name}_{k + 1}" for k in range(values.shape[1])]
         columns.append((" ".join(parts), values))
     step = frame.number if frame.timestep is None else frame.timestep
-    if step != int(step):
+    if not np.isfinite(step) or step != int(step):
         raise ValueError(f"frame {frame.number}: its timestep is {step!r}, and a dump holds whole numbers: change it")
     return (
         f"ITEM: TIMESTEP\n{int(step)}\nITEM: NUMBER OF ATOMS\n{len(frame)}\nITEM: BOX BOUNDS{head}{flags}\n{bounds}"
@@ -149,4 +173,5 @@ def write_frames(path: Union[str, os.PathLike[str]], frames: Iterable[Frame]) ->
         for frame in given:
             if not isinstance(frame, Frame):
                 raise TypeError(f"frames holds something {shown(frame)}: give Frame objects, as read_frames() does")
-            out.write(make(frame))
+            points = as_points(frame.points, f"points of frame {frame.number}", planar=True)
+            out.write(make(replace(frame, points=points.astype(np.float64, copy=False))))

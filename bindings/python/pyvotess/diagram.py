@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Literal, Optional, Tuple, Union
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_axis, as_each_axis, as_flag, as_word
+from ._arguments import as_axis, as_each_axis, as_flag, as_word, counted
 from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, WantName
 from ._call import Handle, Progress, run
 from ._domain import Domain, as_domain, with_short_forms
@@ -109,7 +109,7 @@ class Diagram:
         self._shown = _bounds(given, array)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Diagram of {len(self)} seeds in a {self._where}>"
+        return f"<pyvotess.Diagram of {counted(len(self), 'seed')} in a {self._where}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Optional, Union
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_count, as_flag, as_number
+from ._arguments import as_count, as_flag, as_number, counted
 from ._c_api import ErrorCode, PrecisionWord, WantName
 from ._call import Handle, Progress, VotessError, last_error, raise_on_failure, run
 from ._domain import Domain, as_domain, with_short_forms
@@ -49,7 +49,7 @@ class VolumeFit:
     seconds: FitSeconds
 
     def __repr__(self) -> str:
-        return f"<pyvotess.VolumeFit of {len(self.weights)} seeds: {self.steps} steps, residual {self.residual:.1e}>"
+        return f"<pyvotess.VolumeFit of {counted(len(self.weights), 'seed')}: {counted(self.steps, 'step')}, residual {self.residual:.1e}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""

@@ -18,7 +18,7 @@ from typing import IO, TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optio
 import numpy as np
 
 from . import _library
-from ._arguments import as_path, as_text, shown
+from ._arguments import as_path, as_text, counted, shown
 from ._call import VotessError
 from ._c_api import ErrorCode
 from ._domain import SHORT_FORMS, Domain
@@ -54,7 +54,7 @@ class Frame:
         return len(self.points)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Frame {self.number}: {len(self)} points, {'no domain' if self.domain is None else self.domain._text()}>"
+        return f"<pyvotess.Frame {self.number}: {counted(len(self), 'point')}, {'no domain' if self.domain is None else self.domain._text()}>"
 
     def with_columns(self, **columns: npt.ArrayLike) -> Frame:
         """Returns the frame with further columns, (N,) or (N, width), such as numbers of its cells.

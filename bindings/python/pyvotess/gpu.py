@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Un
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_count, as_flag, as_number, shown
+from ._arguments import as_count, as_flag, as_number, counted, shown
 from ._c_api import WantName
 from ._call import Handle, OneCallAtATime, raise_on_failure, watched
 from ._domain import Domain, as_domain, with_short_forms
@@ -89,7 +89,7 @@ class FrameCells:
 
     def __repr__(self) -> str:
         arrays = [name for name in self.__dict__ if not name.startswith("_")]
-        return f"<pyvotess.gpu.FrameCells of {len(self)} points, {self.unresolved} unresolved: {', '.join(arrays)}>"
+        return f"<pyvotess.gpu.FrameCells of {counted(len(self), 'point')}, {self.unresolved} unresolved: {', '.join(arrays)}>"
 
     @property
     def unresolved(self) -> int:
@@ -191,7 +191,7 @@ class CudaCells:
 
     def __repr__(self) -> str:
         arrays = [name for name in self.__dict__ if not name.startswith("_")]
-        return f"<pyvotess.gpu.CudaCells of {len(self)} points: {', '.join(arrays)}>"
+        return f"<pyvotess.gpu.CudaCells of {counted(len(self), 'point')}: {', '.join(arrays)}>"
 
     def resolve(self) -> CudaCells:
         """Waits for the cells, makes those that the device left on the CPU, and writes all arrays again.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Optional
 
+from ._arguments import counted
 from ._call import Handle
 from .mesh import Lists, Neighbors
 
@@ -33,7 +34,7 @@ class Groups:
         return len(self.labels)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Groups: {len(self)} groups of {len(self.members.indices)} cells>"
+        return f"<pyvotess.Groups: {counted(len(self), 'group')} of {counted(len(self.members.indices), 'cell')}>"
 
 
 def read_groups(handle: Handle) -> Groups:

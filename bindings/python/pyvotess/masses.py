@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._arguments import as_count
+from ._arguments import as_count, counted
 from ._call import Handle
 from ._input import as_density, as_float64_or_float32
 from ._library import lib
@@ -36,7 +36,7 @@ class Masses:
         return len(self.masses)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Masses of {len(self)} cells: {self.masses.sum():.6g}>"
+        return f"<pyvotess.Masses of {counted(len(self), 'cell')}: {self.masses.sum():.6g}>"
 
     def cost(self, places: npt.ArrayLike) -> float:
         """Returns the density times the squared distance from places, one for each cell, integrated over the cells.

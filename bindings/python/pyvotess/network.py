@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
-from ._arguments import as_axis, as_number
+from ._arguments import as_axis, as_number, counted
 from ._call import Handle, WithHandle, raise_on_failure, watched
 from ._input import as_one_each
 from ._library import lib
@@ -59,7 +59,7 @@ class Network(WithHandle):
     _handle: Optional[Handle] = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Network: {len(self.points)} vertices, {len(self.edges)} edges>"
+        return f"<pyvotess.Network: {len(self.points)} vertices, {counted(len(self.edges), 'edge')}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""

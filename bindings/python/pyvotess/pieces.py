@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optiona
 
 import numpy as np
 
-from ._arguments import as_count, as_number, as_path
+from ._arguments import as_count, as_number, as_path, counted
 from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
 from ._input import as_array, as_one_each
 from ._library import lib
@@ -124,7 +124,7 @@ class Pieces:
 
     def __repr__(self) -> str:
         what = "edges" if self.planar else "triangles"
-        return f"<pyvotess.Pieces: {len(self)} pieces of {len(self.indptr) - 1} cells, {len(self.triangles)} {what}>"
+        return f"<pyvotess.Pieces: {counted(len(self), 'piece')} of {len(self.indptr) - 1} cells, {len(self.triangles)} {what}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""

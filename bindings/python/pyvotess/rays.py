@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
+from ._arguments import counted
 from ._input import as_float64_or_float32
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class RayCells:
         return len(self.offsets) - 1
 
     def __repr__(self) -> str:
-        return f"<pyvotess.RayCells: {len(self)} rays through {len(self.seeds)} cells>"
+        return f"<pyvotess.RayCells: {counted(len(self), 'ray')} through {counted(len(self.seeds), 'cell')}>"
 
     def integrate(self, values: npt.ArrayLike, gradients: Optional[npt.ArrayLike] = None) -> npt.NDArray[np.float64]:
         """Returns the integral along each ray of a field that is linear in each cell: (R,) or (R, m).
@@ -57,7 +58,7 @@ class RayCells:
         if of_seeds.ndim not in (1, 2) or len(of_seeds) < count or (self.seed_count is not None and len(of_seeds) > count):
             raise ValueError(f"values has shape {of_seeds.shape}: give ({count},) or ({count}, m), one row for each seed")
         rays = np.repeat(np.arange(len(self)), np.diff(self.offsets))
-        columns = of_seeds.reshape(len(of_seeds), -1).T
+        columns = of_seeds.reshape(len(of_seeds), *of_seeds.shape[1:] or (1,)).T
         slopes: Any = None
         middles: Any = self.middles
         if gradients is not None:
@@ -67,12 +68,11 @@ class RayCells:
             dimensions = middles.shape[1]
             if slopes.shape != (*of_seeds.shape, dimensions):
                 raise ValueError(f"gradients has shape {slopes.shape}: values need {(*of_seeds.shape, dimensions)}")
-            slopes = slopes.reshape(len(slopes), -1, dimensions)
-        sums: Any = []
+            slopes = slopes.reshape(len(slopes), len(columns), dimensions)
+        out: npt.NDArray[np.float64] = np.empty((len(self), len(columns)))
         for c, column in enumerate(columns):
             means = column[self.seeds]  # of the pieces
             if slopes is not None:
                 means += np.einsum("ij,ij->i", slopes[self.seeds, c], middles)
-            sums.append(np.bincount(rays, means * self.lengths, len(self)))
-        out: npt.NDArray[np.float64] = np.stack(sums, axis=-1).reshape(len(self), *of_seeds.shape[1:])
-        return out
+            out[:, c] = np.bincount(rays, means * self.lengths, len(self))
+        return out.reshape(len(self), *of_seeds.shape[1:])

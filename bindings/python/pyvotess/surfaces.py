@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, Literal, Optional, Tuple, Union
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_count, as_flag, as_number, as_path, as_word
+from ._arguments import as_count, as_flag, as_number, as_path, as_word, counted
 from ._call import Handle, Progress, raise_on_failure, run
 from ._input import as_array, as_one_each, as_points
 from ._library import lib
@@ -90,7 +90,7 @@ class SurfaceCells:
     def __repr__(self) -> str:
         made = vars(self)
         counts = {"polygons": "polygon_seeds", "triangles": "dual", "faults": "faults"}
-        return f"<pyvotess.SurfaceCells: {len(self)} cells" + "".join(
+        return f"<pyvotess.SurfaceCells: {counted(len(self), 'cell')}" + "".join(
             f", {len(made[name])} {what}" for what, name in counts.items() if name in made
         ) + ">"
 
@@ -121,7 +121,7 @@ class SurfaceRelaxation:
 
     def __repr__(self) -> str:
         first, last = self.energies[[0, -1]]
-        return f"<pyvotess.SurfaceRelaxation of {len(self.points)} seeds, {len(self.moved)} steps: energy {first:.6g} to {last:.6g}>"
+        return f"<pyvotess.SurfaceRelaxation of {counted(len(self.points), 'seed')}, {counted(len(self.moved), 'step')}: energy {first:.6g} to {last:.6g}>"
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ class Remesh:
 
     def __repr__(self) -> str:
         least = f", angles from {self.min_angle:.1f} degrees" if len(self.triangles) else ""
-        return f"<pyvotess.Remesh: {len(self.vertices)} vertices, {len(self.triangles)} triangles{least}>"
+        return f"<pyvotess.Remesh: {len(self.vertices)} vertices, {counted(len(self.triangles), 'triangle')}{least}>"
 
 
 def _as_triangles(triangles: Any) -> Int32Array:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple,
 
 import numpy as np
 
-from ._arguments import as_flag, as_number
+from ._arguments import as_flag, as_number, counted
 from ._c_api import ErrorCode
 from ._call import Handle, Progress, VotessError, raise_on_failure, watched
 from ._input import as_labels, as_one_each
@@ -83,7 +83,7 @@ class Tessellation(SeedCells):
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"
         copies = self.stats.duplicates
-        seeds = f"{len(self)} seeds" + (f", {copies} duplicate{'s' if copies > 1 else ''}," if copies else "")
+        seeds = counted(len(self), 'seed') + (f", {copies} duplicate{'s' if copies > 1 else ''}," if copies else "")
         tiny = f"; {self.stats.tiny_faces} tiny faces, see min_face" if self.stats.tiny_faces else ""
         return f"<pyvotess.Tessellation of {seeds} in a {self._where()}: {wanted}{tiny}>"
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Optional
 
 import numpy as np
 
-from ._arguments import as_number
+from ._arguments import as_number, counted
 from ._call import Handle, WithHandle
 from ._library import lib
 
@@ -36,7 +36,7 @@ class Zones(WithHandle):
         return len(self.cores)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Zones: {len(self)} zones of {len(self.labels)} cells>"
+        return f"<pyvotess.Zones: {counted(len(self), 'zone')} of {counted(len(self.labels), 'cell')}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""

@@ -14,6 +14,16 @@ TOLERANCE = 1e-6  # relative to the largest derivative
 
 
 class Derivatives(unittest.TestCase):
+    @have("scipy")
+    def test_units(self):
+        points = uniform(20)
+        near = vt.tessellate(points, box=UNIT_BOX, want="faces")
+        for unit in (2.0**-270, 2.0**300):
+            far = vt.tessellate(points * unit, box=np.asarray(UNIT_BOX) * unit, want="faces")
+            for of, scale in (("volumes", unit**2), ("areas", unit)):
+                found, expected = far.derivatives(of).toarray() / scale, near.derivatives(of).toarray()
+                np.testing.assert_allclose(found, expected, atol=1e-9)
+
     def compare(self, points, weights=None, **domain):
         """Compares derivatives along random directions of all seeds or weights, and of one seed."""
         rng = np.random.default_rng(4)
@@ -67,6 +77,11 @@ class Derivatives(unittest.TestCase):
             want = "faces,volumes,areas" if size == 3 else "faces,volumes"
             t, after, before = (vt.tessellate(chosen + s * 1e-7 * change, want=want, **domain) for s in (0, 1, -1))
             closed = ~t.open_cells
+            for words in ("volumes", "faces", "areas"):  # without walls, rows with areas do not tell
+                other = vt.tessellate(chosen, want=words, list_walls=words == "areas", **domain)
+                np.testing.assert_array_equal(other.open_cells, ~closed)
+            with self.assertRaisesRegex((AttributeError, ValueError), "faces"):
+                vt.tessellate(chosen, want="areas", **domain).derivatives(by="weights")
             self.assertTrue(0 < closed.sum() < SEEDS)
             np.testing.assert_array_equal(t.open_cells, np.isinf(t.volumes))
             with self.assertRaisesRegex(ValueError, "open='skip'"):

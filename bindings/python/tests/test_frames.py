@@ -165,9 +165,27 @@ class Files(Folder):
             (vt.Frame(0, np.ones((2, 3)), box, columns={"a b": np.ones(2)}), "'a b' is not a name"),
             (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.ones(3)}), "'a' has shape"),
             (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.array(["x", "y z"])}), "'a' holds texts"),
+            (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.ones((2, 0))}), "'a' has shape"),
+            (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.full(2, 2**63, np.uint64)}), "9223372036854775808 .* below"),
+            (vt.Frame(0, np.ones((2, 3)), box, ids=[1, 2], columns={"id": [3, 4]}), "has a column 'id' of its own"),
+            (vt.Frame(0, np.ones((2, 3)), box, columns={"pos": [3, 4]}), "has a column 'pos' of its own"),
+            (vt.Frame(0, np.ones((2, 3)), box, ids=[1]), r"ids have shape \(1,\): give 2"),
+            (vt.Frame(0, np.ones((2, 3)), box, ids=[1.5, 2]), "whole numbers"),
+            (vt.Frame(0, np.ones((2, 3)), box, species=["H"]), r"species have shape \(1,\): give 2"),
+            (vt.Frame(0, np.ones((2, 3)), box, species=["H", "a b"]), "without blanks"),
+            (vt.Frame(0, np.ones((2, 3)), box, species=["H", "1"]), "types or elements"),
+            (vt.Frame(0, np.ones((2, 2)), box), "points have 2 coordinates, and its domain has 3"),
+            (vt.Frame(0, np.ones(3), box), "points of frame 0 has shape"),
         ):
             with self.assertRaisesRegex(ValueError, says):
                 vt.write_frames(self.folder / "b.xyz", [vt.Frame(0, np.ones((1, 3)), box), frame])
+        for step, says in ((0.5, "whole numbers"), (np.nan, "whole numbers")):
+            with self.assertRaisesRegex(ValueError, says):
+                vt.write_frames(self.folder / "b.dump", [vt.Frame(0, np.ones((1, 3)), box, step)])
+        given = vt.Frame(0, [[0.25, 0.5, 0.75]], box, 0.5, species=["²"])
+        vt.write_frames(self.folder / "c.xyz", [given])
+        found = next(vt.read_frames(self.folder / "c.xyz"))
+        self.assertEqual([found.points.tolist(), found.timestep, list(found.species)], [given.points, 0.5, ["²"]])
         with self.assertRaisesRegex(ValueError, "path is 'b.h5'"):
             vt.write_frames("b.h5", [])
         with self.assertRaisesRegex(TypeError, "frames holds something 1: give Frame"):

@@ -98,6 +98,13 @@ class Images(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "reach infinity"):
             endless.image()
         self.assertEqual(endless.image(size=(80, 80), open="skip").left_out, endless.open_cells.sum())
+        with self.assertRaisesRegex(ValueError, r"leave them out by open='skip', or give a box"):
+            endless.image()
+        for size, counts in ((3, (1, 3)), (2, (1, 2))):
+            for count in counts:
+                few = vt.tessellate(self.points[:count, :size], box="none", want="volumes,faces")
+                with self.assertRaisesRegex(ValueError, "all cells reach infinity"):
+                    few.image(open="skip")
 
     def test_wrong_values(self):
         for argument, value in [("cut", "all"), ("colormap", "jet"), ("slice", "z"), ("slice", ("w", 0.5)), ("slice", ("z", 2)), ("view", (1, 2, 3)),

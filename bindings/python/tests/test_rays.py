@@ -41,6 +41,10 @@ class Rays(unittest.TestCase):
         self.assertAlmostEqual(both[0, 0], values[cells.seeds[first], 0] @ cells.lengths[first], 13)
         self.assertAlmostEqual(cells.lengths[first].sum(), 0.5, 14)
         self.assertEqual(d.trace(np.zeros((0, 3)), np.zeros((0, 3))).integrate(values).shape, (0, 2))
+        self.assertEqual(cells.integrate(values[:, :0]).shape, (3, 0))
+        none = vt.Diagram(np.empty((0, 3)), box=UNIT_BOX).trace([(0, 0, 0)], [(1, 1, 1)])
+        self.assertEqual([none.integrate(np.empty(0)).tolist(), none.integrate(np.empty((0, 2))).tolist()], [[0.0], [[0.0, 0.0]]])
+        self.assertEqual(d.trace(np.zeros((0, 3)), np.zeros((0, 3))).integrate(values[:, 0]).dtype, np.float64)
 
     def test_linear_in_cells_agrees_with_a_fine_march(self):
         points = uniform(50, seed=7)

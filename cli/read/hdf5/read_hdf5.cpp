@@ -169,7 +169,7 @@ private:
         std::vector<std::string> candidates;
         for (const std::size_t columns : columns_of(request_.dimensions)) {
             for (const std::string& name : file.datasets()) {
-                if (!name.starts_with(group) || is_no_place(name)) continue;
+                if (!name.starts_with(group) || is_no_place(name) || name == "walls") continue;
                 const Hdf5Dataset set = file.open(name);
                 const bool box = name.ends_with("/box/edges") || name.ends_with("/box/edges/value");
                 if (!box && (set.has_columns(columns) || set.has_frames(columns))) candidates.push_back(name);

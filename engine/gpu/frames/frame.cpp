@@ -88,12 +88,9 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     for (const std::uint32_t binding : {BINDING_SEED_INPUT, BINDING_SEEDS})
         outputs_.set(binding, seeds_.bindings().get(binding));
     // Makes all descriptor sets: a recording of fewer seeds needs no other.
-    record(VK_NULL_HANDLE, {.count = plan->options.max_seeds,
-                            .count_buffer = {},
-                            .box = {},
-                            .cell = {},
-                            .timestamps = {},
-                            .fresh = true});
+    record(
+        VK_NULL_HANDLE,
+        {.count = plan->options.max_seeds, .count_buffer = {}, .box = {}, .cell = {}, .timestamps = {}, .fresh = true});
 }
 
 void detail::FrameState::record(VkCommandBuffer commands, const RecordOptions& options) {

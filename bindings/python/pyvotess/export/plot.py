@@ -292,6 +292,7 @@ def plot(
     if t.planar:
         if slice is not None:
             raise ValueError("plot(): a slice needs three dimensions: leave it out")
+        t._require_end("plot()")
         imported("matplotlib", "plot()")
         return _plot_plane(t, color, ax, style)
     if t.in_mesh:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
 
 import numpy as np
 
-from .._arguments import as_count, as_flag, as_number
+from .._arguments import as_count, as_flag, as_number, counted
 from .._call import Progress, showing
 from .._domain import Domain, as_domain, with_short_forms
 from .._input import as_array, as_density, as_points
@@ -42,7 +42,7 @@ class Relaxation:
 
     def __repr__(self) -> str:
         first, last = self.energies[[0, -1]]
-        return f"<pyvotess.Relaxation of {len(self.points)} seeds, {len(self.moved)} steps: energy {first:.6g} to {last:.6g}>"
+        return f"<pyvotess.Relaxation of {counted(len(self.points), 'seed')}, {counted(len(self.moved), 'step')}: energy {first:.6g} to {last:.6g}>"
 
 
 def _as_mask(fixed: Any, count: int) -> BoolArray:
@@ -198,6 +198,9 @@ def lloyd(
                 t, weights = fit.tessellation, fit.weights
             if step == 0 and where.vectors is None:
                 where = where.replace(box=t.box.ravel(), walls=t.walls)
+            extent = float(np.ptp(t.box, axis=0).max(initial=0.0))
+            if not np.isfinite(float(t.volumes.sum()) * extent * extent):
+                raise ValueError("the domain is too large for energies in float64: give lengths in another unit")
             places = t.wrapped_points
             if by_moment and constant is not None:
                 way, energy = t.centroids - places, constant - _moment(t, places)

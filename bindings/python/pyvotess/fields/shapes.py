@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional
 
 import numpy as np
 
+from .._arguments import counted
 from .simplices import simplices
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Shapes:
         return len(self.sphericity)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Shapes of {len(self)} cells>"
+        return f"<pyvotess.Shapes of {counted(len(self), 'cell')}>"
 
     @property
     def columns(self) -> Dict[str, Any]:
@@ -41,6 +42,8 @@ class Shapes:
 def make_shapes(t: SeedCells, open: Optional[str]) -> Shapes:
     places = t.wrapped_points if t.ids is None else np.asarray(t.points, np.float64)[t.ids]
     count, d = len(t), places.shape[1]
+    extent = t.box[1] - t.box[0] if np.isfinite(t.box).all() else np.ptp(places, axis=0)
+    unit = 2.0 ** np.frexp(extent.max(initial=0.0))[1]  # so that products stay in range
     size, surface = np.zeros(count), np.zeros(count)
     first, second = np.zeros((d, count)), np.zeros((d, d, count))
     # Integrals over a simplex with corners 0 and x_k, of sum s: its size times s / (d + 1), and times
@@ -54,7 +57,8 @@ def make_shapes(t: SeedCells, open: Optional[str]) -> Shapes:
         def add(to: Any, values: Any) -> None:
             to[part] += np.bincount(row, values, minlength=end - begin)
 
-        volume = times / (6 if d == 3 else 2)
+        corners = corners / unit
+        volume = times / unit**d / (6 if d == 3 else 2)
         total = corners.sum(axis=1)
         add(size, volume)
         edges = corners[:, 1:] - corners[:, :1]
@@ -77,8 +81,8 @@ def make_shapes(t: SeedCells, open: Optional[str]) -> Shapes:
     semi_axes, directions = np.full((count, d), np.nan), np.full((count, d, d), np.nan)
     held = ~np.isnan(size)
     values, vectors = np.linalg.eigh(moments[held])
-    semi_axes[held] = np.sqrt((d + 2) * np.maximum(values[:, ::-1], 0))
+    semi_axes[held] = unit * np.sqrt((d + 2) * np.maximum(values[:, ::-1], 0))
     directions[held] = vectors.transpose(0, 2, 1)[:, ::-1]
     with np.errstate(invalid="ignore", divide="ignore"):
         aspect_ratio = semi_axes[:, 0] / semi_axes[:, -1]
-    return Shapes(sphericity, aspect_ratio, semi_axes, directions, moments)
+    return Shapes(sphericity, aspect_ratio, semi_axes, directions, unit**2 * moments)

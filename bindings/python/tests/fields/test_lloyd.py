@@ -308,6 +308,8 @@ class Densities(unittest.TestCase):
         np.testing.assert_allclose(r.points, [[0.1, 0.5, 0.5], [0.75, 0.5, 0.5]], atol=1e-14)
 
     def test_refused(self):
+        with self.assertRaisesRegex(ValueError, "too large for energies in float64: give lengths in another unit"):
+            vt.lloyd(uniform(5) * 1e105, box=np.asarray(UNIT_BOX) * 1e105, steps=1)
         for density, says in (
             (lambda x: x, r"shape \(\d+, 3\) for \d+ points"),
             (lambda x: 1.0, r"shape \(\) for"),

@@ -23,6 +23,15 @@ class ShapesTest(unittest.TestCase):
             np.testing.assert_allclose(np.abs(np.einsum("nij,ji->ni", s.directions, turn)), 1, rtol=1e-12)
             np.testing.assert_allclose(s.moments, np.tile((turn * sides**2 / 12) @ turn.T, (27, 1, 1)), atol=1e-13)
 
+    def test_units(self):
+        """Any unit of length for which volumes are numbers."""
+        points = uniform(20)
+        near = vt.tessellate(points, box=UNIT_BOX, want="faces").shapes()
+        for unit in (2.0**-300, 2.0**300):
+            far = vt.tessellate(points * unit, box=np.asarray(UNIT_BOX) * unit, want="faces").shapes()
+            np.testing.assert_allclose(far.sphericity, near.sphericity, rtol=1e-9)
+            np.testing.assert_allclose(far.semi_axes / unit, near.semi_axes, rtol=1e-9)
+
     def test_a_ball(self):
         walls = vt.walls.sphere((3, 4, 5), 2, 2000)
         s = vt.tessellate([(3, 4, 5)], box=(0, 0, 0, 9, 9, 9), walls=walls, want="faces").shapes()
