@@ -61,7 +61,7 @@ class Zones(unittest.TestCase):
             np.testing.assert_array_equal(merged.cores[merged.labels], zones.cores[root[zones.labels]])
         self.assertEqual(len(merged), 1)
         self.assertEqual(merged.pairs.shape, (0, 2))
-        self.assertEqual(repr(merged), "<pyvotess.Zones: 1 zones of 2000 cells>")
+        self.assertEqual(repr(merged), "<pyvotess.Zones: 1 zone of 2000 cells>")
 
     def test_lattice_is_one_zone_after_merging_ties(self):
         t = vt.tessellate(lattice(6), box=(0, 0, 0, 6, 6, 6), periodic=True)
