@@ -9,11 +9,12 @@
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "surface/nearest.hpp"
+#include "surface/triangle_cells.hpp"
 
 namespace votess::surface {
 namespace {
 
-constexpr std::size_t vertices_per_task = 256, triangles_per_task = 64, seeds_per_task = 128, parts_per_task = 1024;
+constexpr std::size_t triangles_per_task = 64, seeds_per_task = 128, parts_per_task = 1024;
 // Parts of a triangle that one thread finds, before all threads do.
 constexpr std::size_t max_alone = 4096;
 
@@ -131,7 +132,6 @@ public:
     }
 
     [[nodiscard]] Parts make() {
-        find_owners();
         const std::size_t count = surface_.triangles().size();
         std::vector<Chunk> chunks(ceil_div(count, triangles_per_task));
         pool_.run_stage(chunks.size(), [&](std::size_t index, unsigned worker) {
@@ -145,42 +145,46 @@ public:
 
 private:
     struct Worker {
-        Worker(const Surface& surface, const NearSeeds& near) : part(surface, near) {}
+        Worker(const Surface& surface, const NearSeeds& near) : cells(surface), part(surface, near), owner(surface) {}
+        TriangleCells cells;
         ClippedTriangle part;
+        Owner owner;
         NumberSet seen;
         std::vector<std::uint32_t> pending;
     };
 
-    // Of the first vertex of each triangle.
-    void find_owners() {
-        owners_.assign(surface_.vertices().size(), ClippedTriangle::none);
-        for (const auto& triangle : surface_.triangles())
-            if (triangle.area > 0) owners_[at(triangle.vertex[0])] = 0;
-        pool_.run(ceil_div(owners_.size(), vertices_per_task), [&](std::size_t index, unsigned) {
-            check_stop();
-            Owner find(surface_);
-            const std::size_t end = std::min(owners_.size(), (index + 1) * vertices_per_task);
-            for (std::size_t v = index * vertices_per_task; v < end; ++v)
-                if (owners_[v] == 0) owners_[v] = find.of(surface_.vertices()[v]);
-        });
-    }
-    [[nodiscard]] std::uint32_t owner(std::int32_t triangle) const {
-        return owners_[at(surface_.triangles()[at(triangle)].vertex[0])];
+    // Returns the owner of a triangle's first vertex.
+    [[nodiscard]] std::uint32_t owner(std::int32_t triangle, Worker& worker) const {
+        return worker.owner.of(surface_.vertex(surface_.triangles()[at(triangle)].vertex[0]));
     }
 
     void clip_all(std::int32_t triangle, Worker& worker, Chunk& chunk) const {
         const std::size_t first = chunk.parts.size();
         worker.part.set_triangle(triangle);
+        if (worker.cells.make(triangle, worker.part)) {
+            for (std::size_t i = 0; i < worker.cells.parts(); ++i) {
+                worker.cells.select(i);
+                add_part(triangle, worker.cells, chunk);
+            }
+        } else if (!clip_each(triangle, worker, chunk)) {
+            chunk.drop_from(first);
+            chunk.large.push_back(triangle);
+            return;
+        }
+        if (want_ != SurfaceWant::areas)
+            std::sort(chunk.parts.begin() + static_cast<std::ptrdiff_t>(first), chunk.parts.end(), is_before);
+    }
+    static bool is_before(const Part& a, const Part& b) { return a.seed < b.seed; }
+
+    // Clips a triangle to one cell after the other. Returns whether they are not too many.
+    [[nodiscard]] bool clip_each(std::int32_t triangle, Worker& worker, Chunk& chunk) const {
+        const std::size_t first = chunk.parts.size();
         worker.seen.clear();
-        worker.pending.assign(1, owner(triangle));
+        worker.pending.assign(1, owner(triangle, worker));
         worker.seen.insert(worker.pending[0]);
         while (!worker.pending.empty()) {
             if (chunk.parts.size() % 64 == 0) check_stop();
-            if (chunk.parts.size() - first > max_alone && pool_.size() > 1) {
-                chunk.drop_from(first);
-                chunk.large.push_back(triangle);
-                return;
-            }
+            if (chunk.parts.size() - first > max_alone && pool_.size() > 1) return false;
             const std::uint32_t number = worker.pending.back();
             worker.pending.pop_back();
             chunk.beyond.clear();
@@ -188,15 +192,13 @@ private:
             for (const std::uint32_t next : chunk.beyond)
                 if (worker.seen.insert(next)) worker.pending.push_back(next);
         }
-        if (want_ != SurfaceWant::areas)
-            std::sort(chunk.parts.begin() + static_cast<std::ptrdiff_t>(first), chunk.parts.end(), is_before);
+        return true;
     }
-    static bool is_before(const Part& a, const Part& b) { return a.seed < b.seed; }
 
     // Clips a triangle on all threads: seeds of a round at once, then those beyond the sides.
     void clip_large(std::int32_t triangle, std::vector<Chunk>& chunks) const {
         NumberSet seen;
-        std::vector<std::uint32_t> round{owner(triangle)}, next;
+        std::vector<std::uint32_t> round{owner(triangle, *workers_[0])}, next;
         seen.insert(round[0]);
         for (; !round.empty(); std::swap(round, next)) {
             const std::size_t first = chunks.size();
@@ -225,9 +227,17 @@ private:
             throw Error(ErrorCode::internal, "a triangle of a surface has no part beyond a bisector that cuts it");
         clipped.settle();
         clipped.find_ties();
+        add_part(triangle, clipped, chunk);
+        for (std::size_t i = 0; i < clipped.size(); ++i)
+            if (clipped.side(i) >= 0) chunk.beyond.push_back(clipped.beyond(i));
+    }
+
+    // clipped: a ClippedTriangle or TriangleCells.
+    template <class Clipped>
+    void add_part(std::int32_t triangle, const Clipped& clipped, Chunk& chunk) const {
         const std::size_t size = clipped.size();
         Part part{triangle,
-                  surface_.tree().seed(number),
+                  clipped.seed(),
                   static_cast<std::uint32_t>(size),
                   clipped.has_area(),
                   0,
@@ -237,8 +247,6 @@ private:
                   chunk.sides.size()};
         measure(clipped, part);
         chunk.parts.push_back(part);
-        for (std::size_t i = 0; i < size; ++i)
-            if (clipped.side(i) >= 0) chunk.beyond.push_back(clipped.beyond(i));
         if (want_ == SurfaceWant::areas) return;
         for (std::size_t i = 0; i < size; ++i) {
             chunk.sides.push_back(clipped.side(i));
@@ -247,7 +255,8 @@ private:
         }
     }
 
-    void measure(const ClippedTriangle& clipped, Part& part) const {
+    template <class Clipped>
+    void measure(const Clipped& clipped, Part& part) const {
         const Surface::Triangle& triangle = surface_.triangles()[at(part.triangle)];
         const std::size_t size = clipped.size();
         const auto& o = clipped.weights(0);
@@ -350,7 +359,6 @@ private:
     ThreadPool& pool_;
     NearSeeds near_;
     std::vector<std::unique_ptr<Worker>> workers_;
-    std::vector<std::uint32_t> owners_;  // by vertex: numbers of seeds
 };
 
 class Numbering {
