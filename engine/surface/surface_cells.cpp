@@ -19,16 +19,21 @@ namespace {
 
 constexpr std::size_t cells_per_task = 64;
 
+SurfaceCells only_areas(const Surface& surface, ThreadPool& pool) {
+    SurfaceCells out;
+    find_areas(surface, pool, out.areas, out.borders);
+    const double unscale = 1 / surface.scale();
+    for (double& area : out.areas) area *= unscale * unscale;
+    for (double& border : out.borders) border *= unscale;
+    return out;
+}
+
 class Result {
 public:
     Result(const Surface& surface, SurfaceWant want, Parts& parts, ThreadPool& pool)
         : surface_(surface), want_(want), parts_(parts), pool_(pool), unscale_(1 / surface.scale()) {}
 
     [[nodiscard]] SurfaceCells make() {
-        if (want_ == SurfaceWant::areas) {
-            sum_areas();
-            return std::move(out_);
-        }
         sort_by_seed();
         if (want_ >= SurfaceWant::polygons) number_corners(parts_, surface_, pool_);
         measure();
@@ -41,17 +46,6 @@ public:
     }
 
 private:
-    void sum_areas() {
-        out_.areas.resize(surface_.seeds());
-        out_.borders.resize(surface_.seeds());
-        for (const Part& part : parts_.list) {
-            out_.areas[at(part.seed)] += part.area;
-            out_.borders[at(part.seed)] += part.border;
-        }
-        for (double& area : out_.areas) area *= unscale_ * unscale_;
-        for (double& border : out_.borders) border *= unscale_;
-    }
-
     void sort_by_seed() {
         begin_.assign(surface_.seeds() + 1, 0);
         for (const Part& part : parts_.list) ++begin_[at(part.seed) + 1];
@@ -223,6 +217,7 @@ SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& m
     const Stoppable stoppable(progress, {});
     const surface::Surface surface(points, mesh, options.weights);
     ThreadPool pool(options.threads);
+    if (options.want == SurfaceWant::areas) return surface::only_areas(surface, pool);
     surface::Parts parts = surface::find_parts(surface, options.want, pool);
     return surface::Result(surface, options.want, parts, pool).make();
 }

@@ -16,18 +16,6 @@ constexpr double value_errors = 10;
 // Bounds on the errors of a value in units of its terms, rounded up.
 constexpr double function_rounding = 8 * unit;
 
-double square_distance(const exact::Point& lower, const exact::Point& upper, const exact::Point& low,
-                       const exact::Point& high) {
-    double square = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double below = low[k] - upper[k], above = lower[k] - high[k];
-        double gap = below > above ? below : above;
-        gap = gap > 0 ? gap : 0;
-        square += gap * gap;
-    }
-    return square;
-}
-
 }  // namespace
 
 TriangleCells::TriangleCells(const Surface& surface) : surface_(surface) {
@@ -52,23 +40,15 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
     length_ = std::sqrt(std::max(dot(first_, first_), std::max(dot(way_[0], way_[0]), dot(way_[1], way_[1])))) *
               (1 + 0x1p-40);
     seeds_.clear();
-    bool is_sure = true;
-    const auto skip = [&](const SeedTree::Node& node, double) {
-        return !is_sure ||
-               (!seeds_.empty() && square_distance(node.lower, node.upper, lower_, upper_) > reach_);
-    };
-    surface_.tree().visit_from(center_, skip, [&](std::uint32_t number) {
-        if (!is_sure) return;
-        if (seeds_.empty()) {
-            begin(number);
-        } else {
-            const exact::Point& x = surface_.tree().place(number);
-            if (square_distance(x, x, lower_, upper_) <= reach_) is_sure = add(number);
-        }
+    is_sure_ = true;
+    reach_ = infinity;
+    surface_.tree().visit_around(lower_, upper_, center_, reach_, [&](std::uint32_t number) {
+        if (seeds_.empty()) begin(number);
+        else add(number);
     });
-    if (!is_sure) return false;
+    if (!is_sure_) return false;
     settle(exact);
-    corner_of_site_.fill(none);
+    std::fill_n(corner_of_site_.begin(), edges + seeds_.size(), none);
     for (std::uint32_t c = 0; c < count_; ++c)
         for (const Site site : links_[c].site) corner_of_site_[site] = c;
     parts_.clear();
@@ -86,6 +66,7 @@ void TriangleCells::begin(std::uint32_t number) {
     seeds_.push_back(function_of(number));
     max_value_error_ = seeds_[0].error;
     max_change_ = seeds_[0].change;
+    max_error_ = 0;
     count_ = 3;
     for (std::uint32_t i = 0; i < 3; ++i) {
         links_[i] = {{edges, (i + 2) % 3, i}, {none, (i + 1) % 3, (i + 2) % 3}};
@@ -103,22 +84,20 @@ TriangleCells::Seed TriangleCells::function_of(std::uint32_t number) const {
     return seed;
 }
 
-// Returns whether all signs were sure.
-bool TriangleCells::add(std::uint32_t number) {
+void TriangleCells::add(std::uint32_t number) {
     const Seed seed = function_of(number);
     removed_.clear();
-    if (!find_removed(seed)) return false;
-    if (removed_.empty()) return true;
-    if (seeds_.size() == max_seeds) {
+    is_sure_ = find_removed(seed) && (removed_.empty() || seeds_.size() < max_seeds);
+    if (!is_sure_) {
         for (const std::uint32_t c : removed_) is_removed_[c] = 0;
-        return false;
+        reach_ = -1;
+    } else if (!removed_.empty()) {
+        seeds_.push_back(seed);
+        max_value_error_ = std::max(max_value_error_, seed.error);
+        max_change_ = std::max(max_change_, seed.change);
+        join(static_cast<Site>(edges + seeds_.size() - 1));
+        find_reach();
     }
-    seeds_.push_back(seed);
-    max_value_error_ = std::max(max_value_error_, seed.error);
-    max_change_ = std::max(max_change_, seed.change);
-    join(static_cast<Site>(edges + seeds_.size() - 1));
-    find_reach();
-    return true;
 }
 
 // Lists the corners that are nearer to a seed. Returns whether all signs were sure.
@@ -136,20 +115,14 @@ bool TriangleCells::find_removed(const Seed& seed) {
     const double slack = value_errors * (seed.error + max_value_error_), change = 1.01 * (seed.change + max_change_);
     const double bound = slack + max_error_ * change;
     if (std::min(std::min(least[0], least[1]), std::min(least[2], least[3])) > bound) return true;
-    bool is_sure = true;
     for (std::uint32_t c = 0; c < count_; ++c) {
         if (difference_[c] > bound) continue;
-        if (!(std::abs(difference_[c]) > slack + error_[c] * change)) {
-            is_sure = false;
-            break;
-        }
+        if (!(std::abs(difference_[c]) > slack + error_[c] * change)) return false;
         if (difference_[c] > 0) continue;
         removed_.push_back(c);
         is_removed_[c] = 1;
     }
-    if (is_sure) return true;
-    for (const std::uint32_t c : removed_) is_removed_[c] = 0;
-    return false;
+    return true;
 }
 
 // Fills the hole that removed corners leave with those of a new site.
@@ -199,19 +172,16 @@ void TriangleCells::remove_rest(std::size_t used) {
     }
 }
 
-// Finds the largest errors and distance of corners.
+// Finds the largest distance of a corner.
 void TriangleCells::find_reach() {
     const std::size_t end = padded();
     for (std::size_t c = count_; c < end; ++c) {
-        u_[c] = v_[c] = error_[c] = square_[c] = 0;
+        u_[c] = v_[c] = square_[c] = 0;
         value_[c] = -infinity;
     }
-    std::array<double, lanes> square{}, error{};
-    for (std::size_t c = 0; c < end; c += lanes) {
+    std::array<double, lanes> square{};
+    for (std::size_t c = 0; c < end; c += lanes)
         for (std::size_t j = 0; j < lanes; ++j) square[j] = square_[c + j] > square[j] ? square_[c + j] : square[j];
-        for (std::size_t j = 0; j < lanes; ++j) error[j] = error_[c + j] > error[j] ? error_[c + j] : error[j];
-    }
-    max_error_ = std::max(std::max(error[0], error[1]), std::max(error[2], error[3]));
     const double largest = std::max(std::max(square[0], square[1]), std::max(square[2], square[3]));
     const double radius =
         std::sqrt(largest + 2 * value_errors * max_value_error_) * (1 + 0x1p-40) + 4 * max_error_ * length_;
@@ -257,6 +227,7 @@ void TriangleCells::set_corner(std::uint32_t corner, Site site, Site from, Site 
 void TriangleCells::set_weights(std::uint32_t corner, double u, double v, double error) {
     if (!(error < 1)) u = v = 1.0 / 3, error = 1;  // somewhere in the triangle
     u_[corner] = u, v_[corner] = v, error_[corner] = error;
+    max_error_ = std::max(max_error_, error);
 }
 
 void TriangleCells::settle(ClippedTriangle& exact) {
@@ -277,15 +248,12 @@ void TriangleCells::select(std::size_t part) {
     const Site site = sites_[part];
     number_ = of(site).number;
     size_ = 0;
-    sides_.clear();
-    weights_.clear();
     for (std::uint32_t c = first;;) {
         const Links& links = links_[c];
         const std::size_t k = links.site[0] == site ? 0 : links.site[1] == site ? 1 : 2;
         const Site beyond = links.site[k == 0 ? 2 : k - 1];
-        sides_.push_back(beyond < edges ? -1 - static_cast<Side>(beyond) : surface_.tree().seed(of(beyond).number));
-        weights_.push_back({u_[c], v_[c]});
-        ++size_;
+        sides_[size_] = beyond < edges ? -1 - static_cast<Side>(beyond) : surface_.tree().seed(of(beyond).number);
+        weights_[size_++] = {u_[c], v_[c]};
         c = links.next[k == 2 ? 0 : k + 1];
         if (c == first) break;
     }

@@ -63,7 +63,7 @@ private:
     void begin(std::uint32_t number);
     [[nodiscard]] Seed function_of(std::uint32_t number) const;
     [[nodiscard]] const Seed& of(Site site) const { return seeds_[site - edges]; }
-    [[nodiscard]] bool add(std::uint32_t number);
+    void add(std::uint32_t number);
     [[nodiscard]] bool find_removed(const Seed& seed);
     void join(Site site);
     void remove_rest(std::size_t used);
@@ -88,16 +88,17 @@ private:
     std::vector<std::uint32_t> removed_;
     std::vector<Change> border_;
     std::array<std::uint32_t, max_seeds + edges> leading_, following_;  // new corners, by the site after and before
-    double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;
+    double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;  // of all so far
     double reach_ = 0;  // square of the distance up to which seeds may cut
+    bool is_sure_ = true;
     std::vector<std::uint32_t> parts_;  // a corner of each
     std::vector<Site> sites_;           // of these
     std::array<std::uint32_t, max_seeds + edges> corner_of_site_;
 
     std::uint32_t number_ = 0;
     std::size_t size_ = 0;
-    std::vector<Side> sides_;
-    std::vector<std::array<double, 2>> weights_;
+    std::array<Side, max_seeds + edges> sides_;
+    std::array<std::array<double, 2>, max_seeds + edges> weights_;
     std::array<Vector3, 3> relative_{};
 };
 
