@@ -59,8 +59,8 @@ public:
     [[nodiscard]] static bool is_accurate(double weight_error, double longest, double distance) {
         return weight_error <= weight_rounding && weight_error * longest <= place_rounding * (longest + distance);
     }
-    // Returns the weights of the second and third vertex, rounded well enough, where a cell has a corner between two sides.
-    // Sides are edges, or numbers of seeds.
+    // Returns the weights of the second and third vertex, rounded well enough, where a cell has a corner between two
+    // sides. Sides are edges, or numbers of seeds.
     [[nodiscard]] std::array<double, 2> corner(std::uint32_t number, Side in, Side out);
     // Weights of the second and third vertex at corner i.
     [[nodiscard]] const std::array<double, 2>& weights(std::size_t i) const { return polygon_[i].weights; }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/arithmetic.hpp"
@@ -16,8 +17,7 @@
 namespace votess::surface {
 namespace {
 
-constexpr std::size_t triangles_per_task = 64, seeds_per_task = 128,
-                      parts_per_task = 1024;
+constexpr std::size_t triangles_per_task = 64, seeds_per_task = 128, parts_per_task = 1024;
 // Parts of a triangle that one thread finds, before all threads do.
 constexpr std::size_t max_alone = 4096;
 
@@ -109,6 +109,7 @@ private:
 // Parts of some triangles, or of one.
 struct Chunk {
     std::vector<Part> parts;
+    std::vector<std::size_t> ends;  // of the parts of each triangle
     std::vector<Side> sides;
     std::vector<std::uint8_t> without_length;
     std::vector<std::array<double, 2>> weights;
@@ -138,8 +139,16 @@ public:
         make_chunks();
         areas.assign(surface_.seeds(), 0);
         borders.assign(surface_.seeds(), 0);
+        // In the order of triangles, as join() puts them.
+        std::vector<std::span<const Part>> runs;
         for (const Chunk& chunk : chunks_)
-            for (const Part& part : chunk.parts) {
+            for (std::size_t k = 0; k < chunk.ends.size(); ++k) {
+                const std::size_t begin = k == 0 ? 0 : chunk.ends[k - 1];
+                runs.push_back(std::span(chunk.parts).subspan(begin, chunk.ends[k] - begin));
+            }
+        std::ranges::sort(runs, {}, [](const auto& run) { return run[0].triangle; });
+        for (const auto& run : runs)
+            for (const Part& part : run) {
                 areas[at(part.seed)] += part.area;
                 borders[at(part.seed)] += part.border;
             }
@@ -214,6 +223,7 @@ private:
         } else {
             clip_each(triangle, worker, chunk, large);
         }
+        chunk.ends.push_back(chunk.parts.size());
         if (want_ != SurfaceWant::areas)
             std::sort(chunk.parts.begin() + static_cast<std::ptrdiff_t>(first), chunk.parts.end(), is_before);
     }
@@ -252,6 +262,7 @@ private:
                 const std::size_t end = std::min(round.size(), (index + 1) * seeds_per_task);
                 for (std::size_t k = index * seeds_per_task; k < end; ++k)
                     clip(large.triangle, round[k], part, chunks_[first + index]);
+                chunks_[first + index].ends.push_back(end - index * seeds_per_task);
             });
             next.clear();
             for (std::size_t c = first; c < chunks_.size(); ++c) {
@@ -278,15 +289,8 @@ private:
     template <class Clipped>
     void add_part(std::int32_t triangle, const Clipped& clipped, Chunk& chunk) const {
         const std::size_t size = clipped.size();
-        Part part{triangle,
-                  clipped.seed(),
-                  static_cast<std::uint32_t>(size),
-                  clipped.has_area(),
-                  0,
-                  0,
-                  {},
-                  0,
-                  chunk.sides.size()};
+        Part part{triangle, clipped.seed(),    static_cast<std::uint32_t>(size), clipped.has_area(), 0, 0, {},
+                  0,        chunk.sides.size()};
         measure(clipped, part);
         chunk.parts.push_back(part);
         if (want_ == SurfaceWant::areas) return;
@@ -372,7 +376,7 @@ private:
     ThreadPool& pool_;
     NearSeeds near_;
     std::vector<std::unique_ptr<Worker>> workers_;
-    std::size_t small_ = 0;      // chunks, each of its own triangles; then those of large triangles
+    std::size_t small_ = 0;  // chunks, each of its own triangles; then those of large triangles
     std::vector<Chunk> chunks_;
 };
 

@@ -43,8 +43,10 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
     is_sure_ = true;
     reach_ = infinity;
     surface_.tree().visit_around(lower_, upper_, center_, reach_, [&](std::uint32_t number) {
-        if (seeds_.empty()) begin(number);
-        else add(number);
+        if (seeds_.empty())
+            begin(number);
+        else
+            add(number);
     });
     if (!is_sure_) return false;
     settle(exact);
@@ -202,7 +204,13 @@ void TriangleCells::set_corner(std::uint32_t corner, Site site, Site from, Site 
         const double across = at_first - at_second, share = at_first / across;
         const double error = 6 * (own.error + other.error), sure = std::abs(across) - error;
         const double bound = sure > 0 ? 2 * error / sure + 4 * unit : infinity;
-        set_weights(corner, edge == 0 ? share : edge == 1 ? 1 - share : 0, edge == 1 ? share : edge == 2 ? 1 - share : 0,
+        set_weights(corner,
+                    edge == 0   ? share
+                    : edge == 1 ? 1 - share
+                                : 0,
+                    edge == 1   ? share
+                    : edge == 2 ? 1 - share
+                                : 0,
                     bound);
     } else {
         const Seed &p = of(from), &q = of(to);
@@ -211,8 +219,7 @@ void TriangleCells::set_corner(std::uint32_t corner, Site site, Site from, Site 
         const double g_size = std::max(std::abs(g), std::max(std::abs(gu), std::abs(gv)));
         const double h_size = std::max(std::abs(h), std::max(std::abs(hu), std::abs(hv)));
         const double g_error = 1.25 * (own.error + p.error), h_error = 1.25 * (own.error + q.error);
-        const double error =
-            2 * (g_size * h_error + h_size * g_error + g_error * h_error) + 4 * unit * g_size * h_size;
+        const double error = 2 * (g_size * h_error + h_size * g_error + g_error * h_error) + 4 * unit * g_size * h_size;
         const double across = gu * hv - gv * hu, inverse = 1 / across, sure = std::abs(across) - error;
         set_weights(corner, (gv * h - g * hv) * inverse, (g * hu - gu * h) * inverse,
                     sure > 0 ? 2.1 * error / sure + 8 * unit : infinity);

@@ -88,7 +88,7 @@ private:
     std::vector<std::uint32_t> removed_;
     std::vector<Change> border_;
     std::array<std::uint32_t, max_seeds + edges> leading_, following_;  // new corners, by the site after and before
-    double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;  // of all so far
+    double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;       // of all so far
     double reach_ = 0;  // square of the distance up to which seeds may cut
     bool is_sure_ = true;
     std::vector<std::uint32_t> parts_;  // a corner of each
