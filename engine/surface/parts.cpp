@@ -214,7 +214,6 @@ private:
 
     void clip_all(std::int32_t triangle, Worker& worker, Chunk& chunk, std::vector<Large>& large) const {
         const std::size_t first = chunk.parts.size();
-        worker.part.set_triangle(triangle);
         if (worker.cells.make(triangle, worker.part)) {
             for (std::size_t i = 0; i < worker.cells.parts(); ++i) {
                 worker.cells.select(i);
@@ -231,6 +230,7 @@ private:
 
     // Clips a triangle to one cell after the other, while they are not too many.
     void clip_each(std::int32_t triangle, Worker& worker, Chunk& chunk, std::vector<Large>& large) const {
+        worker.part.set_triangle(triangle);
         worker.seen.clear();
         worker.pending.assign(1, owner(triangle, worker));
         worker.seen.insert(worker.pending[0]);

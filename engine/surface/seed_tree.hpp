@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -91,11 +92,10 @@ public:
         double square = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             const double below = other_lower[k] - upper[k], above = lower[k] - other_upper[k];
-            double gap = below > above ? below : above;
-            gap = gap > 0 ? gap : 0;
-            square += gap * gap;
+            const double twice = (below + std::abs(below)) + (above + std::abs(above));  // the gap, without branches
+            square += twice * twice;
         }
-        return square;
+        return square / 4;
     }
     [[nodiscard]] static double square_distance(const Node& node, const exact::Point& x) {
         double square = 0;

@@ -49,7 +49,7 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
             add(number);
     });
     if (!is_sure_) return false;
-    settle(exact);
+    settle(triangle, exact);
     std::fill_n(corner_of_site_.begin(), edges + seeds_.size(), none);
     for (std::uint32_t c = 0; c < count_; ++c)
         for (const Site site : links_[c].site) corner_of_site_[site] = c;
@@ -237,7 +237,8 @@ void TriangleCells::set_weights(std::uint32_t corner, double u, double v, double
     max_error_ = std::max(max_error_, error);
 }
 
-void TriangleCells::settle(ClippedTriangle& exact) {
+void TriangleCells::settle(std::int32_t triangle, ClippedTriangle& exact) {
+    bool is_set = false;
     for (std::uint32_t c = 0; c < count_; ++c) {
         if (ClippedTriangle::is_accurate(error_[c], length_, std::sqrt(std::max(square_[c], 0.0)))) continue;
         const auto& site = links_[c].site;
@@ -245,6 +246,8 @@ void TriangleCells::settle(ClippedTriangle& exact) {
         const auto side = [&](Site of) {
             return of < edges ? -1 - static_cast<Side>(of) : static_cast<Side>(this->of(of).number);
         };
+        if (!is_set) exact.set_triangle(triangle);
+        is_set = true;
         const auto w = exact.corner(of(site[k]).number, side(site[(k + 1) % 3]), side(site[(k + 2) % 3]));
         u_[c] = w[0], v_[c] = w[1];
     }

@@ -70,7 +70,7 @@ private:
     void find_reach();
     void set_corner(std::uint32_t corner, Site site, Site from, Site to);
     void set_weights(std::uint32_t corner, double u, double v, double error);
-    void settle(ClippedTriangle& exact);
+    void settle(std::int32_t triangle, ClippedTriangle& exact);
     [[nodiscard]] std::size_t padded() const { return (count_ + lanes - 1) / lanes * lanes; }
 
     const Surface& surface_;
