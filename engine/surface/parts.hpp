@@ -1,8 +1,8 @@
 // The parts of all triangles in all cells.
 //
-// A triangle's parts are connected through sides on bisectors. So they are found from the owner of one vertex on: each
-// such side leads to the part of the seed beyond it. One thread finds those of a triangle; only where they are very
-// many, all threads do, in rounds.
+// TriangleCells finds the parts of most triangles. Those of the others are connected through sides on bisectors, so
+// ClippedTriangle finds them from the owner of one vertex on: each such side leads to the part of the seed beyond it.
+// One thread finds those of a triangle; only where they are very many, all threads do, in rounds.
 #pragma once
 
 #include <cstdint>
