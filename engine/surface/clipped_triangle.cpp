@@ -13,8 +13,6 @@ namespace {
 
 using solid::unit;
 
-constexpr double place_rounding = 0x1p-41;  // of the size of the triangle and the distance of its seed
-constexpr double weight_rounding = 0x1p-36;
 constexpr double search_rounding = 0x1p-46;  // of squares of lengths, and weights
 
 double length(const Vector3& x) {
@@ -36,19 +34,23 @@ void ClippedTriangle::set_triangle(std::int32_t triangle) {
     longest_ *= 1 + 0x1p-40;
 }
 
-bool ClippedTriangle::clip(std::uint32_t number) {
+void ClippedTriangle::set_seed(std::uint32_t number) {
     number_ = number;
     seed_ = tree_.seed(number);
     origin_ = tree_.place(number);
-    const std::size_t ties = signs_.ties();
     bisectors_.clear();
-    lengthless_.clear();
     double farthest = 0;
     for (auto& place : places_) {
         place.relative = minus(place.x, origin_);
         farthest = std::max(farthest, dot(place.relative, place.relative));
     }
     rounding_ = 16 * unit * (std::sqrt(farthest) + 1);  // of the absolute place too
+}
+
+bool ClippedTriangle::clip(std::uint32_t number) {
+    const std::size_t ties = signs_.ties();
+    set_seed(number);
+    lengthless_.clear();
     size_ = 3;
     if (polygon_.size() < 3) polygon_.resize(16), next_.resize(16);
     for (std::size_t i = 0; i < 3; ++i)
@@ -354,10 +356,23 @@ void ClippedTriangle::set_weights(Corner& corner, const Weights& weights) const 
 void ClippedTriangle::settle() {
     for (std::size_t i = 0; i < size_; ++i) {
         Corner& c = polygon_[i];
-        const bool is_sure =
-            c.weight_error <= weight_rounding && c.weight_error * longest_ <= place_rounding * (longest_ + length(c.x));
-        if (!is_sure) set_weights(c, exact_weights(before(i), c.out));
+        if (!is_accurate(c.weight_error, longest_, length(c.x))) set_weights(c, exact_weights(before(i), c.out));
     }
+}
+
+std::array<double, 2> ClippedTriangle::corner(std::uint32_t number, Side in, Side out) {
+    set_seed(number);
+    for (Side* side : {&in, &out}) {
+        if (*side < 0) continue;
+        const auto other = static_cast<std::uint32_t>(*side);
+        const Vector3 q = minus(tree_.place(other), origin_);
+        add_bisector(other, q, dot(q, q));
+        *side = static_cast<Side>(bisectors_.size() - 1);
+    }
+    Corner c;
+    set_corner(c, in, out);
+    if (!is_accurate(c.weight_error, longest_, length(c.x))) set_weights(c, exact_weights(in, out));
+    return c.weights;
 }
 
 void ClippedTriangle::find_ties() {

@@ -40,6 +40,7 @@ public:
     // Clips it to the cell of a seed, which has a number in the tree. Returns whether there is a part.
     bool clip(std::uint32_t number);
 
+    [[nodiscard]] std::int32_t seed() const { return seed_; }
     // Sides of the part: side i leads from corner i.
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] Side side(std::size_t i) const {
@@ -54,6 +55,13 @@ public:
     }
     // Rounds the places of corners well enough.
     void settle();
+    // Returns whether bounds on the errors of weights are small enough, at a distance from the seed.
+    [[nodiscard]] static bool is_accurate(double weight_error, double longest, double distance) {
+        return weight_error <= weight_rounding && weight_error * longest <= place_rounding * (longest + distance);
+    }
+    // Returns the weights of the second and third vertex, rounded well enough, where a cell has a corner between two
+    // sides. Sides are edges, or numbers of seeds.
+    [[nodiscard]] std::array<double, 2> corner(std::uint32_t number, Side in, Side out);
     // Weights of the second and third vertex at corner i.
     [[nodiscard]] const std::array<double, 2>& weights(std::size_t i) const { return polygon_[i].weights; }
     // Its place relative to the seed.
@@ -64,6 +72,8 @@ public:
     [[nodiscard]] bool has_area() const { return has_area_; }
 
 private:
+    static constexpr double place_rounding = 0x1p-41;  // of the size of the triangle and the distance of its seed
+    static constexpr double weight_rounding = 0x1p-36;
     struct Corner {
         Side out;                       // the side from it: a bisector's number here, or an edge
         Vector3 x;                      // relative to the seed
@@ -82,6 +92,7 @@ private:
         double largest, error;            // of these
     };
     [[nodiscard]] bool try_seed(std::uint32_t number, const Vector3& q, double square);
+    void set_seed(std::uint32_t number);
     void find_balls();
     [[nodiscard]] bool in_reach(const SeedTree::Node& node) const;
     [[nodiscard]] bool search_tree();

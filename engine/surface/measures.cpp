@@ -33,32 +33,33 @@ void CellOnSurface::measure(std::int32_t seed, std::span<const std::size_t> own)
     if (want_ == SurfaceWant::all) find_row();
 }
 
+CellOnSurface::Frame CellOnSurface::frame(std::size_t p) const {
+    const auto& vertex = surface_.triangles()[at(parts_.list[p].triangle)].vertex;
+    const Vector3 u = surface_.vertex(vertex[0]);
+    return {u, minus(surface_.vertex(vertex[1]), u), minus(surface_.vertex(vertex[2]), u)};
+}
+
 // Lists the sides on bisectors. Lengths come from shared corners, so that they are equal for both cells.
 void CellOnSurface::add_sides(std::size_t p) {
-    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.list[p].triangle)];
-    const Vector3 u = surface_.vertex(triangle.vertex[0]);
-    const Vector3 a = minus(surface_.vertex(triangle.vertex[1]), u), b = minus(surface_.vertex(triangle.vertex[2]), u);
-    for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
+    const auto [u, a, b] = frame(p);
+    const std::size_t begin = parts_.begin(p), end = parts_.end(p);
+    std::size_t known = end;  // the corner whose weights are in `from`
+    std::array<double, 2> from{};
+    for (std::size_t c = begin; c < end; ++c) {
         if (parts_.sides[c] < 0) continue;
-        const std::size_t next = c + 1 == parts_.end(p) ? parts_.begin(p) : c + 1;
+        const std::size_t next = c + 1 == end ? begin : c + 1;
         const bool is_point = parts_.without_length[c] != 0;
         double length = 0;
         if (!is_point && want_ == SurfaceWant::all) {
-            const auto from = parts_.shared_weights(surface_, p, c), to = parts_.shared_weights(surface_, p, next);
+            if (known != c) from = parts_.shared_weights(surface_, p, c);
+            const auto to = parts_.shared_weights(surface_, p, next);
             const double s = to[0] - from[0], t = to[1] - from[1];
             length = length3(s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]);
+            from = to;
+            known = next;
         }
         sides_.push_back({parts_.sides[c], p, parts_.corners[c], parts_.corners[next], length, is_point});
     }
-}
-
-// Returns a corner relative to the seed.
-Vector3 CellOnSurface::place(std::size_t p, std::size_t c) const {
-    const Surface::Triangle& triangle = surface_.triangles()[at(parts_.list[p].triangle)];
-    const Vector3 u = surface_.vertex(triangle.vertex[0]), base = minus(u, surface_.seed(seed_));
-    const auto& w = parts_.weights[c];
-    return along(along(base, minus(surface_.vertex(triangle.vertex[1]), u), w[0]),
-                 minus(surface_.vertex(triangle.vertex[2]), u), w[1]);
 }
 
 void CellOnSurface::find_nearest(std::span<const std::size_t> own) {
@@ -66,7 +67,10 @@ void CellOnSurface::find_nearest(std::span<const std::size_t> own) {
     for (const std::size_t p : own) {
         if (!parts_.list[p].has_area) continue;
         places_.clear();
-        for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) places_.push_back(place(p, c));
+        const auto [u, a, b] = frame(p);
+        const Vector3 base = minus(u, surface_.seed(seed_));
+        for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c)
+            places_.push_back(along(along(base, a, parts_.weights[c][0]), b, parts_.weights[c][1]));
         for (std::size_t i = 1; i + 1 < places_.size(); ++i) {
             const Vector3 place = nearest_on_triangle(centroid, places_[0], places_[i], places_[i + 1]);
             if (const double d = distance(place, centroid); d < least) least = d, nearest = place;

@@ -45,7 +45,11 @@ private:
     void find_nearest(std::span<const std::size_t> own);
     void find_pieces(std::span<const std::size_t> own);
     void find_row();
-    [[nodiscard]] Vector3 place(std::size_t p, std::size_t c) const;
+    // A triangle's first vertex, and the ways from there to the others.
+    struct Frame {
+        Vector3 first, second, third;
+    };
+    [[nodiscard]] Frame frame(std::size_t p) const;
     [[nodiscard]] std::size_t root(std::size_t i);
 
     const Surface& surface_;

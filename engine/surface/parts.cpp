@@ -4,16 +4,20 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "index/sort_grid.hpp"
 #include "surface/nearest.hpp"
+#include "surface/triangle_cells.hpp"
 
 namespace votess::surface {
 namespace {
 
-constexpr std::size_t vertices_per_task = 256, triangles_per_task = 64, seeds_per_task = 128, parts_per_task = 1024;
+constexpr std::size_t triangles_per_task = 64, seeds_per_task = 128, parts_per_task = 1024;
 // Parts of a triangle that one thread finds, before all threads do.
 constexpr std::size_t max_alone = 4096;
 
@@ -105,22 +109,18 @@ private:
 // Parts of some triangles, or of one.
 struct Chunk {
     std::vector<Part> parts;
+    std::vector<std::size_t> ends;  // of the parts of each triangle
     std::vector<Side> sides;
     std::vector<std::uint8_t> without_length;
     std::vector<std::array<double, 2>> weights;
     std::vector<std::uint32_t> beyond;  // numbers of seeds beyond the sides of the last part; of a round: of all
-    std::vector<std::int32_t> large;    // triangles that all threads have to clip
+};
 
-    void drop_from(std::size_t part) {
-        if (part == parts.size()) return;
-        if (!sides.empty()) {
-            const std::size_t begin = parts[part].begin;
-            sides.resize(begin);
-            without_length.resize(begin);
-            weights.resize(begin);
-        }
-        parts.resize(part);
-    }
+// A triangle with many parts, and the seeds to clip it to next.
+struct Large {
+    std::int32_t triangle;
+    NumberSet seen;
+    std::vector<std::uint32_t> pending;
 };
 
 class Distribution {
@@ -131,54 +131,113 @@ public:
     }
 
     [[nodiscard]] Parts make() {
-        find_owners();
-        const std::size_t count = surface_.triangles().size();
-        std::vector<Chunk> chunks(ceil_div(count, triangles_per_task));
-        pool_.run_stage(chunks.size(), [&](std::size_t index, unsigned worker) {
-            const std::size_t end = std::min(count, (index + 1) * triangles_per_task);
-            for (std::size_t t = index * triangles_per_task; t < end; ++t)
-                if (surface_.triangles()[t].area > 0)
-                    clip_all(static_cast<std::int32_t>(t), *workers_[worker], chunks[index]);
-        });
-        return join(chunks);
+        make_chunks();
+        return join();
+    }
+
+    void sum(std::vector<double>& areas, std::vector<double>& borders) {
+        make_chunks();
+        areas.assign(surface_.seeds(), 0);
+        borders.assign(surface_.seeds(), 0);
+        // In the order of triangles, as join() puts them.
+        std::vector<std::span<const Part>> runs;
+        for (const Chunk& chunk : chunks_)
+            for (std::size_t k = 0; k < chunk.ends.size(); ++k) {
+                const std::size_t begin = k == 0 ? 0 : chunk.ends[k - 1];
+                runs.push_back(std::span(chunk.parts).subspan(begin, chunk.ends[k] - begin));
+            }
+        std::ranges::sort(runs, {}, [](const auto& run) { return run[0].triangle; });
+        for (const auto& run : runs)
+            for (const Part& part : run) {
+                areas[at(part.seed)] += part.area;
+                borders[at(part.seed)] += part.border;
+            }
     }
 
 private:
+    // Clips all triangles, along a Hilbert curve, so that near ones need the same memory.
+    void make_chunks() {
+        const std::vector<std::int32_t> order = order_of_triangles();
+        small_ = ceil_div(order.size(), triangles_per_task);
+        chunks_.resize(small_);
+        std::vector<std::vector<Large>> large(small_);
+        pool_.run_stage(small_, [&](std::size_t index, unsigned worker) {
+            const std::size_t end = std::min(order.size(), (index + 1) * triangles_per_task);
+            for (std::size_t k = index * triangles_per_task; k < end; ++k)
+                clip_all(order[k], *workers_[worker], chunks_[index], large[index]);
+        });
+        for (auto& of_task : large)
+            for (Large& of : of_task) clip_large(of);
+    }
+
+    [[nodiscard]] std::vector<std::int32_t> order_of_triangles() const {
+        const auto& triangles = surface_.triangles();
+        const auto middle = [&](const Surface::Triangle& triangle) {
+            Vector3 x{};
+            for (const std::int32_t v : triangle.vertex)
+                for (std::size_t k = 0; k < 3; ++k) x[k] += surface_.vertex(v)[k] / 3;
+            return x;
+        };
+        cpu::Bounds bounds;
+        for (const auto& triangle : triangles) {
+            const Vector3 x = middle(triangle);
+            bounds.add(x[0], x[1], x[2]);
+        }
+        const cpu::Grid grid(bounds);
+        std::vector<std::pair<std::uint32_t, std::int32_t>> keys;
+        keys.reserve(triangles.size());
+        for (std::size_t t = 0; t < triangles.size(); ++t) {
+            if (!(triangles[t].area > 0)) continue;
+            const Vector3 x = middle(triangles[t]);
+            keys.push_back({grid.key(x[0], x[1], x[2]), static_cast<std::int32_t>(t)});
+        }
+        std::ranges::sort(keys);
+        std::vector<std::int32_t> order;
+        order.reserve(keys.size());
+        for (const auto& [key, t] : keys) order.push_back(t);
+        return order;
+    }
+
     struct Worker {
-        Worker(const Surface& surface, const NearSeeds& near) : part(surface, near) {}
+        Worker(const Surface& surface, const NearSeeds& near) : cells(surface), part(surface, near), owner(surface) {}
+        TriangleCells cells;
         ClippedTriangle part;
+        Owner owner;
         NumberSet seen;
         std::vector<std::uint32_t> pending;
     };
 
-    // Of the first vertex of each triangle.
-    void find_owners() {
-        owners_.assign(surface_.vertices().size(), ClippedTriangle::none);
-        for (const auto& triangle : surface_.triangles())
-            if (triangle.area > 0) owners_[at(triangle.vertex[0])] = 0;
-        pool_.run(ceil_div(owners_.size(), vertices_per_task), [&](std::size_t index, unsigned) {
-            check_stop();
-            Owner find(surface_);
-            const std::size_t end = std::min(owners_.size(), (index + 1) * vertices_per_task);
-            for (std::size_t v = index * vertices_per_task; v < end; ++v)
-                if (owners_[v] == 0) owners_[v] = find.of(surface_.vertices()[v]);
-        });
-    }
-    [[nodiscard]] std::uint32_t owner(std::int32_t triangle) const {
-        return owners_[at(surface_.triangles()[at(triangle)].vertex[0])];
+    // Returns the owner of a triangle's first vertex.
+    [[nodiscard]] std::uint32_t owner(std::int32_t triangle, Worker& worker) const {
+        return worker.owner.of(surface_.vertex(surface_.triangles()[at(triangle)].vertex[0]));
     }
 
-    void clip_all(std::int32_t triangle, Worker& worker, Chunk& chunk) const {
+    void clip_all(std::int32_t triangle, Worker& worker, Chunk& chunk, std::vector<Large>& large) const {
         const std::size_t first = chunk.parts.size();
+        if (worker.cells.make(triangle, worker.part)) {
+            for (std::size_t i = 0; i < worker.cells.parts(); ++i) {
+                worker.cells.select(i);
+                add_part(triangle, worker.cells, chunk);
+            }
+        } else {
+            clip_each(triangle, worker, chunk, large);
+        }
+        chunk.ends.push_back(chunk.parts.size());
+        if (want_ != SurfaceWant::areas)
+            std::sort(chunk.parts.begin() + static_cast<std::ptrdiff_t>(first), chunk.parts.end(), is_before);
+    }
+    static bool is_before(const Part& a, const Part& b) { return a.seed < b.seed; }
+
+    // Clips a triangle to one cell after the other, while they are not too many.
+    void clip_each(std::int32_t triangle, Worker& worker, Chunk& chunk, std::vector<Large>& large) const {
         worker.part.set_triangle(triangle);
         worker.seen.clear();
-        worker.pending.assign(1, owner(triangle));
+        worker.pending.assign(1, owner(triangle, worker));
         worker.seen.insert(worker.pending[0]);
-        while (!worker.pending.empty()) {
-            if (chunk.parts.size() % 64 == 0) check_stop();
-            if (chunk.parts.size() - first > max_alone && pool_.size() > 1) {
-                chunk.drop_from(first);
-                chunk.large.push_back(triangle);
+        for (std::size_t count = 0; !worker.pending.empty(); ++count) {
+            if (count % 64 == 0) check_stop();
+            if (count == max_alone) {
+                large.push_back({triangle, worker.seen, worker.pending});
                 return;
             }
             const std::uint32_t number = worker.pending.back();
@@ -188,32 +247,28 @@ private:
             for (const std::uint32_t next : chunk.beyond)
                 if (worker.seen.insert(next)) worker.pending.push_back(next);
         }
-        if (want_ != SurfaceWant::areas)
-            std::sort(chunk.parts.begin() + static_cast<std::ptrdiff_t>(first), chunk.parts.end(), is_before);
     }
-    static bool is_before(const Part& a, const Part& b) { return a.seed < b.seed; }
 
-    // Clips a triangle on all threads: seeds of a round at once, then those beyond the sides.
-    void clip_large(std::int32_t triangle, std::vector<Chunk>& chunks) const {
-        NumberSet seen;
-        std::vector<std::uint32_t> round{owner(triangle)}, next;
-        seen.insert(round[0]);
+    // Clips a triangle on all threads: pending seeds at once, then those beyond the sides.
+    void clip_large(Large& large) {
+        std::vector<std::uint32_t>&round = large.pending, next;
         for (; !round.empty(); std::swap(round, next)) {
-            const std::size_t first = chunks.size();
-            chunks.resize(first + ceil_div(round.size(), seeds_per_task));
-            pool_.run(chunks.size() - first, [&](std::size_t index, unsigned worker) {
+            const std::size_t first = chunks_.size();
+            chunks_.resize(first + ceil_div(round.size(), seeds_per_task));
+            pool_.run(chunks_.size() - first, [&](std::size_t index, unsigned worker) {
                 check_stop();
                 ClippedTriangle& part = workers_[worker]->part;
-                part.set_triangle(triangle);
+                part.set_triangle(large.triangle);
                 const std::size_t end = std::min(round.size(), (index + 1) * seeds_per_task);
                 for (std::size_t k = index * seeds_per_task; k < end; ++k)
-                    clip(triangle, round[k], part, chunks[first + index]);
+                    clip(large.triangle, round[k], part, chunks_[first + index]);
+                chunks_[first + index].ends.push_back(end - index * seeds_per_task);
             });
             next.clear();
-            for (std::size_t c = first; c < chunks.size(); ++c) {
-                for (const std::uint32_t number : chunks[c].beyond)
-                    if (seen.insert(number)) next.push_back(number);
-                chunks[c].beyond = {};
+            for (std::size_t c = first; c < chunks_.size(); ++c) {
+                for (const std::uint32_t number : chunks_[c].beyond)
+                    if (large.seen.insert(number)) next.push_back(number);
+                chunks_[c].beyond = {};
             }
             std::ranges::sort(next);  // near ones need the same memory
         }
@@ -225,20 +280,19 @@ private:
             throw Error(ErrorCode::internal, "a triangle of a surface has no part beyond a bisector that cuts it");
         clipped.settle();
         clipped.find_ties();
+        add_part(triangle, clipped, chunk);
+        for (std::size_t i = 0; i < clipped.size(); ++i)
+            if (clipped.side(i) >= 0) chunk.beyond.push_back(clipped.beyond(i));
+    }
+
+    // clipped: a ClippedTriangle or TriangleCells.
+    template <class Clipped>
+    void add_part(std::int32_t triangle, const Clipped& clipped, Chunk& chunk) const {
         const std::size_t size = clipped.size();
-        Part part{triangle,
-                  surface_.tree().seed(number),
-                  static_cast<std::uint32_t>(size),
-                  clipped.has_area(),
-                  0,
-                  0,
-                  {},
-                  0,
-                  chunk.sides.size()};
+        Part part{triangle, clipped.seed(),    static_cast<std::uint32_t>(size), clipped.has_area(), 0, 0, {},
+                  0,        chunk.sides.size()};
         measure(clipped, part);
         chunk.parts.push_back(part);
-        for (std::size_t i = 0; i < size; ++i)
-            if (clipped.side(i) >= 0) chunk.beyond.push_back(clipped.beyond(i));
         if (want_ == SurfaceWant::areas) return;
         for (std::size_t i = 0; i < size; ++i) {
             chunk.sides.push_back(clipped.side(i));
@@ -247,7 +301,8 @@ private:
         }
     }
 
-    void measure(const ClippedTriangle& clipped, Part& part) const {
+    template <class Clipped>
+    void measure(const Clipped& clipped, Part& part) const {
         const Surface::Triangle& triangle = surface_.triangles()[at(part.triangle)];
         const std::size_t size = clipped.size();
         const auto& o = clipped.weights(0);
@@ -277,71 +332,42 @@ private:
         }
     }
 
-    // Puts all parts in order.
-    [[nodiscard]] Parts join(std::vector<Chunk>& chunks) const {
-        struct Source {
-            const Part* part;
-            const Chunk* chunk;
-        };
-        std::vector<std::pair<std::int32_t, std::vector<Chunk>>> large;
-        std::size_t count = 0;
-        for (Chunk& chunk : chunks) {
-            count += chunk.parts.size();
-            for (const std::int32_t triangle : chunk.large) {
-                large.push_back({triangle, {}});
-                clip_large(triangle, large.back().second);
-                for (const Chunk& part : large.back().second) count += part.parts.size();
-            }
-        }
-        std::vector<Source> sources;
-        sources.reserve(count);
-        std::size_t next_large = 0;
-        for (const Chunk& chunk : chunks) {
-            std::size_t k = 0;
-            for (std::size_t l = 0; l <= chunk.large.size(); ++l) {
-                const bool is_end = l == chunk.large.size();
-                for (; k < chunk.parts.size() && (is_end || chunk.parts[k].triangle < chunk.large[l]); ++k)
-                    sources.push_back({&chunk.parts[k], &chunk});
-                if (is_end) break;
-                const auto begin = static_cast<std::ptrdiff_t>(sources.size());
-                for (const Chunk& of : large[next_large++].second)
-                    for (const Part& part : of.parts) sources.push_back({&part, &of});
-                std::sort(sources.begin() + begin, sources.end(),
-                          [](const Source& a, const Source& b) { return is_before(*a.part, *b.part); });
-            }
-        }
+    // Puts the parts of all chunks in order. Sides stay in theirs.
+    [[nodiscard]] Parts join() const {
         check_stop();
         Parts parts;
-        parts.list.resize(count);
-        std::size_t sides = 0;
-        for (std::size_t p = 0; p < count; ++p) {
-            parts.list[p].begin = sides;
-            sides += sources[p].part->sides;
-        }
-        if (want_ == SurfaceWant::areas) {
-            sides = 0;
-        } else {
-            parts.sides.resize(sides);
-            parts.without_length.resize(sides);
-            parts.weights.resize(sides);
-        }
-        pool_.run(ceil_div(count, parts_per_task), [&](std::size_t index, unsigned) {
-            for (std::size_t p = index * parts_per_task; p < std::min(count, (index + 1) * parts_per_task); ++p) {
-                const auto& [part, chunk] = sources[p];
-                const std::size_t from = part->begin, to = parts.list[p].begin, size = part->sides;
-                parts.list[p] = *part;
-                parts.list[p].begin = to;
-                if (sides == 0) continue;
-                std::copy_n(chunk->sides.begin() + static_cast<std::ptrdiff_t>(from), size, &parts.sides[to]);
-                std::copy_n(chunk->without_length.begin() + static_cast<std::ptrdiff_t>(from), size,
-                            &parts.without_length[to]);
-                std::copy_n(chunk->weights.begin() + static_cast<std::ptrdiff_t>(from), size, &parts.weights[to]);
-            }
-        });
         parts.of_triangle.assign(surface_.triangles().size() + 1, 0);
-        for (std::size_t p = 0; p < count; ++p) parts.of_triangle[at(parts.list[p].triangle) + 1] = p + 1;
-        for (std::size_t t = 1; t < parts.of_triangle.size(); ++t)
-            parts.of_triangle[t] = std::max(parts.of_triangle[t], parts.of_triangle[t - 1]);
+        std::vector<std::size_t> first_side{0};
+        for (const Chunk& chunk : chunks_) {
+            for (const Part& part : chunk.parts) ++parts.of_triangle[at(part.triangle) + 1];
+            first_side.push_back(first_side.back() + chunk.sides.size());
+        }
+        std::partial_sum(parts.of_triangle.begin(), parts.of_triangle.end(), parts.of_triangle.begin());
+        parts.list.resize(parts.of_triangle.back());
+        parts.sides.resize(first_side.back());
+        parts.without_length.resize(first_side.back());
+        parts.weights.resize(first_side.back());
+        std::vector<std::size_t> next = parts.of_triangle;
+        const auto add = [&](std::size_t index, unsigned) {
+            const Chunk& chunk = chunks_[index];
+            for (const Part& part : chunk.parts) {
+                Part& to = parts.list[next[at(part.triangle)]++];
+                to = part;
+                to.begin += first_side[index];
+            }
+            const auto begin = static_cast<std::ptrdiff_t>(first_side[index]);
+            std::ranges::copy(chunk.sides, parts.sides.begin() + begin);
+            std::ranges::copy(chunk.without_length, parts.without_length.begin() + begin);
+            std::ranges::copy(chunk.weights, parts.weights.begin() + begin);
+        };
+        pool_.run(small_, add);  // each has its own triangles
+        for (std::size_t index = small_; index < chunks_.size(); ++index) {
+            add(index, 0);
+            const auto triangle = at(chunks_[index].parts[0].triangle);
+            if (index + 1 == chunks_.size() || at(chunks_[index + 1].parts[0].triangle) != triangle)
+                std::sort(parts.list.begin() + static_cast<std::ptrdiff_t>(parts.of_triangle[triangle]),
+                          parts.list.begin() + static_cast<std::ptrdiff_t>(parts.of_triangle[triangle + 1]), is_before);
+        }
         return parts;
     }
 
@@ -350,7 +376,8 @@ private:
     ThreadPool& pool_;
     NearSeeds near_;
     std::vector<std::unique_ptr<Worker>> workers_;
-    std::vector<std::uint32_t> owners_;  // by vertex: numbers of seeds
+    std::size_t small_ = 0;  // chunks, each of its own triangles; then those of large triangles
+    std::vector<Chunk> chunks_;
 };
 
 class Numbering {
@@ -464,6 +491,10 @@ std::array<double, 2> Parts::shared_weights(const Surface& surface, std::size_t 
 
 Parts find_parts(const Surface& surface, SurfaceWant want, ThreadPool& pool) {
     return Distribution(surface, want, pool).make();
+}
+
+void find_areas(const Surface& surface, ThreadPool& pool, std::vector<double>& areas, std::vector<double>& borders) {
+    Distribution(surface, SurfaceWant::areas, pool).sum(areas, borders);
 }
 
 void number_corners(Parts& parts, const Surface& surface, ThreadPool& pool) {

@@ -1,8 +1,8 @@
 // The parts of all triangles in all cells.
 //
-// A triangle's parts are connected through sides on bisectors. So they are found from the owner of one vertex on: each
-// such side leads to the part of the seed beyond it. One thread finds those of a triangle; only where they are very
-// many, all threads do, in rounds.
+// TriangleCells finds the parts of most triangles. Those of the others are connected through sides on bisectors, so
+// ClippedTriangle finds them from the owner of one vertex on: each such side leads to the part of the seed beyond it.
+// One thread finds those of a triangle; only where they are very many, all threads do, in rounds.
 #pragma once
 
 #include <cstdint>
@@ -25,10 +25,10 @@ struct Part {
     std::size_t begin;  // the first side
 };
 
-// P parts, ascending by triangle; from SurfaceWant::nearest on, then by seed. Some have no area.
+// P parts, ascending by triangle, then by seed. Some have no area.
 struct Parts {
     std::vector<Part> list;
-    // By side, and the corner that it leads from. Filled from SurfaceWant::nearest on.
+    // By side, and the corner that it leads from. Those of one part follow each other.
     std::vector<Side> sides;
     std::vector<std::uint8_t> without_length;
     std::vector<std::array<double, 2>> weights;  // of the triangle's second and third vertex
@@ -56,7 +56,11 @@ struct Parts {
     [[nodiscard]] std::size_t find(std::int32_t triangle, std::int32_t seed) const;
 };
 
+// want: SurfaceWant::nearest or more.
 [[nodiscard]] Parts find_parts(const Surface& surface, SurfaceWant want, ThreadPool& pool);
+
+// Sums the areas and borders of the parts of each seed, scaled.
+void find_areas(const Surface& surface, ThreadPool& pool, std::vector<double>& areas, std::vector<double>& borders);
 
 // Makes equal corners of all parts one vertex.
 void number_corners(Parts& parts, const Surface& surface, ThreadPool& pool);

@@ -3,8 +3,8 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "core/at.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
 
@@ -19,54 +19,66 @@ constexpr int max_tries = 40;
 
 }  // namespace
 
-SeedTree::SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights) : order_(seeds.size()) {
-    std::iota(order_.begin(), order_.end(), 0);
-    const auto seed = [&](std::int32_t i) -> const exact::Point& { return seeds[static_cast<std::size_t>(i)]; };
-    const auto weight = [&](std::int32_t i) { return weights.empty() ? 0 : weights[static_cast<std::size_t>(i)]; };
-    std::ranges::sort(order_, [&](std::int32_t i, std::int32_t j) {
-        if (seed(i) != seed(j)) return seed(i) < seed(j);
-        return weight(i) != weight(j) ? weight(i) > weight(j) : i < j;
+SeedTree::SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights) {
+    std::vector<Item> items(seeds.size());
+    for (std::size_t i = 0; i < seeds.size(); ++i) items[i] = {seeds[i], static_cast<std::int32_t>(i)};
+    const auto weight = [&](const Item& item) { return weights.empty() ? 0 : weights[at(item.seed)]; };
+    std::ranges::sort(items, [&](const Item& a, const Item& b) {
+        for (std::size_t k = 0; k < 3; ++k)
+            if (a.place[k] != b.place[k]) return a.place[k] < b.place[k];
+        return weight(a) != weight(b) ? weight(a) > weight(b) : a.seed < b.seed;
     });
-    order_.erase(
-        std::unique(order_.begin(), order_.end(), [&](std::int32_t i, std::int32_t j) { return seed(i) == seed(j); }),
-        order_.end());
-    nodes_.push_back({{}, {}, 0, 0, static_cast<std::uint32_t>(order_.size()), 0});
-    for (std::uint32_t at = 0; at < nodes_.size(); ++at) {
-        if (at % 1024 == 0) check_stop();
-        split(at, seeds, weights);
+    items.erase(
+        std::unique(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.place == b.place; }),
+        items.end());
+    nodes_.reserve(items.size());
+    nodes_.push_back({{}, {}, 0, 0, static_cast<std::uint32_t>(items.size()), 0, 0});
+    std::vector<std::uint32_t> pending{0};  // the last first, so that the nodes of a box follow each other in memory
+    for (std::size_t count = 0; !pending.empty(); ++count) {
+        if (count % 1024 == 0) check_stop();
+        const std::uint32_t node = pending.back();
+        pending.pop_back();
+        split(node, items, weights);
+        if (nodes_[node].child == 0) continue;
+        pending.push_back(nodes_[node].child + 1);
+        pending.push_back(nodes_[node].child);
     }
-    places_.reserve(order_.size());
-    for (const std::int32_t id : order_) places_.push_back(seeds[static_cast<std::size_t>(id)]);
+    order_.reserve(items.size());
+    places_.reserve(items.size());
+    for (const Item& item : items) {
+        order_.push_back(item.seed);
+        places_.push_back(item.place);
+    }
     leaf_of_.resize(order_.size());
-    for (std::uint32_t at = 0; at < nodes_.size(); ++at)
-        if (nodes_[at].child == 0) std::fill(&leaf_of_[nodes_[at].begin], &leaf_of_[nodes_[at].end - 1] + 1, at);
+    for (std::uint32_t n = 0; n < nodes_.size(); ++n)
+        if (nodes_[n].child == 0) std::fill(&leaf_of_[nodes_[n].begin], &leaf_of_[nodes_[n].end - 1] + 1, n);
 }
 
 // Finds the box of a node and, unless it is a leaf, makes its children.
-void SeedTree::split(std::uint32_t at, std::span<const exact::Point> seeds, std::span<const double> weights) {
-    const auto seed = [&](std::int32_t i) -> const exact::Point& { return seeds[static_cast<std::size_t>(i)]; };
-    const auto [begin, end] = std::pair(nodes_[at].begin, nodes_[at].end);
-    exact::Point lower = seed(order_[begin]), upper = lower;
-    double weight = weights.empty() ? 0 : weights[static_cast<std::size_t>(order_[begin])];
-    for (std::uint32_t i = begin; i < end; ++i) {
+void SeedTree::split(std::uint32_t node, std::span<Item> items, std::span<const double> weights) {
+    const auto [begin, end] = std::pair(nodes_[node].begin, nodes_[node].end);
+    const std::span<Item> own = items.subspan(begin, end - begin);
+    exact::Point lower = own[0].place, upper = lower;
+    for (const Item& item : own)
         for (std::size_t k = 0; k < 3; ++k) {
-            lower[k] = std::min(lower[k], seed(order_[i])[k]);
-            upper[k] = std::max(upper[k], seed(order_[i])[k]);
+            lower[k] = item.place[k] < lower[k] ? item.place[k] : lower[k];
+            upper[k] = item.place[k] > upper[k] ? item.place[k] : upper[k];
         }
-        if (!weights.empty()) weight = std::max(weight, weights[static_cast<std::size_t>(order_[i])]);
-    }
-    nodes_[at] = {lower, upper, weight, begin, end, 0};
+    double weight = weights.empty() ? 0 : weights[at(own[0].seed)];
+    if (!weights.empty())
+        for (const Item& item : own) weight = std::max(weight, weights[at(item.seed)]);
+    nodes_[node] = {lower, upper, weight, begin, end, 0, 0};
     if (end - begin <= leaf_seeds) return;
     const Vector3 size = minus(upper, lower);
     const auto axis = static_cast<std::size_t>(std::ranges::max_element(size) - size.begin());
-    const std::uint32_t half = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end,
-                     [&](std::int32_t i, std::int32_t j) {
-                         return seed(i)[axis] != seed(j)[axis] ? seed(i)[axis] < seed(j)[axis] : i < j;
-                     });
-    nodes_[at].child = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back({{}, {}, 0, begin, half, 0});
-    nodes_.push_back({{}, {}, 0, half, end, 0});
+    const std::uint32_t half = (end - begin) / 2;
+    std::nth_element(own.begin(), own.begin() + half, own.end(), [&](const Item& a, const Item& b) {
+        return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis] : a.seed < b.seed;
+    });
+    nodes_[node].child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[node].axis = static_cast<std::uint32_t>(axis);
+    nodes_.push_back({{}, {}, 0, begin, begin + half, 0, 0});
+    nodes_.push_back({{}, {}, 0, begin + half, end, 0, 0});
 }
 
 const NearSeeds::Lists& NearSeeds::of_leaf(const SeedTree::Node& leaf) const {

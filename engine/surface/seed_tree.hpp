@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -23,6 +24,7 @@ public:
         double weight;             // the largest
         std::uint32_t begin, end;  // seeds
         std::uint32_t child;       // the first of two; 0 for a leaf
+        std::uint32_t axis;        // along which they follow each other
     };
 
     // weights: may be empty. Of seeds at one place only that of the largest weight, or else of lowest index, is in the
@@ -58,6 +60,43 @@ public:
             pending[count++] = near;
         }
     }
+    // Calls visit(number) for all seeds whose distance from a box has a square of at most reach, those near its center
+    // early. visit() may lower reach.
+    template <class Visit>
+    void visit_around(const exact::Point& lower, const exact::Point& upper, const exact::Point& center,
+                      const double& reach, Visit visit) const {
+        std::array<std::pair<std::uint32_t, double>, max_depth> pending;
+        pending[0] = {0, 0};
+        for (std::size_t count = 1; count > 0;) {
+            const auto [at, square] = pending[--count];
+            if (square > reach) continue;
+            const Node& node = nodes_[at];
+            if (node.child == 0) {
+                for (std::uint32_t k = node.begin; k < node.end; ++k)
+                    if (square_between(places_[k], places_[k], lower, upper) <= reach) visit(k);
+                continue;
+            }
+            const Node& low = nodes_[node.child];
+            const Node& high = nodes_[node.child + 1];
+            const std::uint32_t is_far = 2 * center[node.axis] < low.upper[node.axis] + high.lower[node.axis] ? 1 : 0;
+            for (const std::uint32_t child : {node.child + is_far, node.child + 1 - is_far}) {
+                const double gap = square_between(nodes_[child].lower, nodes_[child].upper, lower, upper);
+                pending[count] = {child, gap};
+                count += gap <= reach ? 1 : 0;
+            }
+        }
+    }
+    // Returns the square of the distance between two boxes.
+    [[nodiscard]] static double square_between(const exact::Point& lower, const exact::Point& upper,
+                                               const exact::Point& other_lower, const exact::Point& other_upper) {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double below = other_lower[k] - upper[k], above = lower[k] - other_upper[k];
+            const double twice = (below + std::abs(below)) + (above + std::abs(above));  // the gap, without branches
+            square += twice * twice;
+        }
+        return square / 4;
+    }
     [[nodiscard]] static double square_distance(const Node& node, const exact::Point& x) {
         double square = 0;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -69,7 +108,11 @@ public:
 
 private:
     static constexpr std::size_t max_depth = 80;
-    void split(std::uint32_t at, std::span<const exact::Point> seeds, std::span<const double> weights);
+    struct Item {
+        exact::Point place;
+        std::int32_t seed;
+    };
+    void split(std::uint32_t at, std::span<Item> items, std::span<const double> weights);
 
     std::vector<Node> nodes_;
     std::vector<std::int32_t> order_;

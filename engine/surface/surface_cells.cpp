@@ -19,16 +19,21 @@ namespace {
 
 constexpr std::size_t cells_per_task = 64;
 
+SurfaceCells only_areas(const Surface& surface, ThreadPool& pool) {
+    SurfaceCells out;
+    find_areas(surface, pool, out.areas, out.borders);
+    const double unscale = 1 / surface.scale();
+    for (double& area : out.areas) area *= unscale * unscale;
+    for (double& border : out.borders) border *= unscale;
+    return out;
+}
+
 class Result {
 public:
     Result(const Surface& surface, SurfaceWant want, Parts& parts, ThreadPool& pool)
         : surface_(surface), want_(want), parts_(parts), pool_(pool), unscale_(1 / surface.scale()) {}
 
     [[nodiscard]] SurfaceCells make() {
-        if (want_ == SurfaceWant::areas) {
-            sum_areas();
-            return std::move(out_);
-        }
         sort_by_seed();
         if (want_ >= SurfaceWant::polygons) number_corners(parts_, surface_, pool_);
         measure();
@@ -41,17 +46,6 @@ public:
     }
 
 private:
-    void sum_areas() {
-        out_.areas.resize(surface_.seeds());
-        out_.borders.resize(surface_.seeds());
-        for (const Part& part : parts_.list) {
-            out_.areas[at(part.seed)] += part.area;
-            out_.borders[at(part.seed)] += part.border;
-        }
-        for (double& area : out_.areas) area *= unscale_ * unscale_;
-        for (double& border : out_.borders) border *= unscale_;
-    }
-
     void sort_by_seed() {
         begin_.assign(surface_.seeds() + 1, 0);
         for (const Part& part : parts_.list) ++begin_[at(part.seed) + 1];
@@ -67,27 +61,31 @@ private:
         out_.areas.resize(count);
         out_.energies.resize(count);
         out_.borders.resize(count);
-        out_.centroids.resize(3 * count);
-        out_.nearest.resize(3 * count);
+        out_.centroids.assign(3 * count, nan);
+        out_.nearest.assign(3 * count, nan);
         if (has_polygons) {
             out_.pieces.resize(count);
             out_.euler.resize(count);
             pieces_.resize(parts_.size());
         }
         if (is_all) out_.indptr.assign(count + 1, 0);
+        // In the order of the tree, in which near cells follow each other.
         std::vector<std::unique_ptr<CellOnSurface>> cells(pool_.size());
-        std::vector<std::vector<CellOnSurface::Shared>> rows(ceil_div(count, cells_per_task));
+        std::vector<std::vector<CellOnSurface::Shared>> rows(ceil_div(surface_.tree().size(), cells_per_task));
         pool_.run(rows.size(), [&](std::size_t index, unsigned worker) {
             check_stop();
             if (!cells[worker]) cells[worker] = std::make_unique<CellOnSurface>(surface_, parts_, want_);
             CellOnSurface& cell = *cells[worker];
-            for (std::size_t i = index * cells_per_task; i < std::min(count, (index + 1) * cells_per_task); ++i) {
+            const std::size_t end = std::min(surface_.tree().size(), (index + 1) * cells_per_task);
+            for (std::size_t number = index * cells_per_task; number < end; ++number) {
+                const std::int32_t id = surface_.tree().seed(static_cast<std::uint32_t>(number));
+                const std::size_t i = at(id);
                 const std::span own(by_seed_.data() + begin_[i], begin_[i + 1] - begin_[i]);
-                cell.measure(static_cast<std::int32_t>(i), own);
+                cell.measure(id, own);
                 out_.areas[i] = cell.area * unscale_ * unscale_;
                 out_.energies[i] = cell.energy * unscale_ * unscale_ * unscale_ * unscale_;
                 out_.borders[i] = cell.border * unscale_;
-                const exact::Point& seed = surface_.seed(static_cast<std::int32_t>(i));
+                const exact::Point& seed = surface_.seed(id);
                 for (std::size_t k = 0; k < 3; ++k) {
                     out_.centroids[3 * i + k] = (seed[k] + cell.centroid[k]) * unscale_;
                     out_.nearest[3 * i + k] = (seed[k] + cell.nearest[k]) * unscale_;
@@ -101,19 +99,36 @@ private:
                 rows[index].insert(rows[index].end(), cell.row.begin(), cell.row.end());
             }
         });
-        std::partial_sum(out_.indptr.begin(), out_.indptr.end(), out_.indptr.begin());
         std::int32_t before = 0;
         for (std::size_t i = 0; i < out_.pieces.size(); ++i) {
             for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) pieces_[by_seed_[k]] += before;
             before += out_.pieces[i];
         }
-        for (const auto& row : rows)
-            for (const CellOnSurface::Shared& shared : row) {
-                out_.indices.push_back(shared.seed);
-                out_.lengths.push_back(shared.length * unscale_);
-                out_.curves.push_back(shared.curves);
-                out_.loops.push_back(shared.loops);
+        if (is_all) set_rows(rows);
+    }
+
+    // rows: those of cells_per_task numbers each.
+    void set_rows(const std::vector<std::vector<CellOnSurface::Shared>>& rows) {
+        std::partial_sum(out_.indptr.begin(), out_.indptr.end(), out_.indptr.begin());
+        const std::size_t total = at(out_.indptr.back());
+        out_.indices.resize(total);
+        out_.lengths.resize(total);
+        out_.curves.resize(total);
+        out_.loops.resize(total);
+        pool_.run(rows.size(), [&](std::size_t index, unsigned) {
+            std::size_t next = 0;
+            const std::size_t end = std::min(surface_.tree().size(), (index + 1) * cells_per_task);
+            for (std::size_t number = index * cells_per_task; number < end; ++number) {
+                const std::size_t i = at(surface_.tree().seed(static_cast<std::uint32_t>(number)));
+                for (std::size_t k = at(out_.indptr[i]); k < at(out_.indptr[i + 1]); ++k) {
+                    const CellOnSurface::Shared& shared = rows[index][next++];
+                    out_.indices[k] = shared.seed;
+                    out_.lengths[k] = shared.length * unscale_;
+                    out_.curves[k] = shared.curves;
+                    out_.loops[k] = shared.loops;
+                }
             }
+        });
     }
 
     // Passes on the parts with an area.
@@ -223,6 +238,7 @@ SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& m
     const Stoppable stoppable(progress, {});
     const surface::Surface surface(points, mesh, options.weights);
     ThreadPool pool(options.threads);
+    if (options.want == SurfaceWant::areas) return surface::only_areas(surface, pool);
     surface::Parts parts = surface::find_parts(surface, options.want, pool);
     return surface::Result(surface, options.want, parts, pool).make();
 }

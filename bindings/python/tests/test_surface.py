@@ -194,6 +194,28 @@ class Surface(unittest.TestCase):
         np.testing.assert_allclose(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2].sum() / 2, 1, rtol=1e-12)
         np.testing.assert_array_equal(flat.vertices, vt.remesh(*SQUARE, 60, rng_seed=0, threads=1).vertices)
 
+    def test_one_cell_after_the_other(self):
+        # Weights, even such as change no sign, clip triangles to one cell after the other; without them cells are made together.
+        rng = np.random.default_rng(8)
+        flat = np.array([(0, 0, 0), (1, 0, 0), (0.2, 0.9, 0.4), (2, 2, 2)]), np.array([(0, 1, 2), (1, 3, 2)])
+        for points, (vertices, triangles) in (
+            (1.1 * sphere(300), globe(5, 7)),
+            (sphere(20), globe(20, 30)),
+            (rng.random((400, 3)) * [1, 1, 0.1], flat),
+            (rng.random((40, 3)) ** 8, flat),
+        ):
+            together = vt.surface(points, vertices, triangles)
+            weights = np.zeros(len(points))
+            weights[0] = 1e-250
+            each = vt.surface(points, vertices, triangles, weights=weights)
+            total = each.areas.sum()
+            np.testing.assert_allclose(together.areas, each.areas, rtol=0, atol=1e-14 * total)
+            np.testing.assert_allclose(together.lengths, each.lengths, rtol=0, atol=1e-12)
+            sums = [np.add.reduceat(c.vertices[c.corners], c.polygon_offsets[:-1]) for c in (together, each)]
+            np.testing.assert_allclose(*sums, rtol=0, atol=1e-10)
+            for name in ("indptr", "indices", "dual", "polygon_triangles", "polygon_seeds", "polygon_offsets", "pieces", "euler"):
+                np.testing.assert_array_equal(getattr(together, name), getattr(each, name), err_msg=name)
+
     def test_want(self):
         points, (vertices, triangles) = sphere(60), globe(8, 12)
         whole = vt.surface(points, vertices, triangles)

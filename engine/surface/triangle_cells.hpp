@@ -1,0 +1,105 @@
+// The parts of one triangle in all cells, made together.
+//
+// On the triangle, the square of the distance from each seed, less that from one fixed place, is linear. The cells are
+// the lower envelope of these functions. Each corner lies between three sites: seeds, or edges of the triangle. Corners
+// and sides are the triangles and edges of a dual triangulation. A seed that is added removes the corners nearer to it,
+// and gets a new one at each side that crosses the border of the hole (Bowyer, Watson 1981). So a side between two
+// cells is made once. A seed can only cut if a corner is nearer to it, so the tree is searched up to their largest
+// distance.
+//
+// Signs come from double, with bounds on the errors. Where a bound hides a sign, and for very many parts, make() gives
+// up: ClippedTriangle decides then.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "surface/clipped_triangle.hpp"
+#include "surface/surface.hpp"
+
+namespace votess::surface {
+
+class TriangleCells {
+public:
+    explicit TriangleCells(const Surface& surface);
+
+    // Returns whether it found all parts. exact: rounds corners whose bounds are large.
+    [[nodiscard]] bool make(std::int32_t triangle, ClippedTriangle& exact);
+    [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+    // Selects a part, for what follows.
+    void select(std::size_t part);
+    [[nodiscard]] std::int32_t seed() const { return surface_.tree().seed(number_); }
+    [[nodiscard]] std::size_t size() const { return size_; }
+    // As ClippedTriangle returns them.
+    [[nodiscard]] Side side(std::size_t i) const { return sides_[i]; }
+    [[nodiscard]] const std::array<double, 2>& weights(std::size_t i) const { return weights_[i]; }
+    [[nodiscard]] Vector3 place(std::size_t i) const;
+    [[nodiscard]] bool has_length(std::size_t) const { return true; }
+    [[nodiscard]] bool has_area() const { return true; }
+
+private:
+    using Site = std::uint32_t;  // 0 to 2: edges of the triangle, each from its corner; then seeds
+    static constexpr Site edges = 3;
+    static constexpr std::uint32_t none = 0xffffffff;
+    static constexpr std::size_t max_seeds = 512, max_corners = 2 * max_seeds + 2, lanes = 4;
+    // At weights w of the second and third vertex the value is f + w[0] d[0] + w[1] d[1].
+    struct Seed {
+        double f;
+        std::array<double, 2> d;
+        double error;   // bound, of each
+        double change;  // |d[0]| + |d[1]|
+        std::uint32_t number;
+    };
+    struct Links {
+        std::array<Site, 3> site;           // around the corner, as the triangle turns
+        std::array<std::uint32_t, 3> next;  // the corner at the other end of the side between the other two sites
+    };
+    struct Change {
+        Site from, to;
+        std::uint32_t corner;  // beyond the side between them
+        std::size_t back;      // its link here
+    };
+    void begin(std::uint32_t number);
+    [[nodiscard]] Seed function_of(std::uint32_t number) const;
+    [[nodiscard]] const Seed& of(Site site) const { return seeds_[site - edges]; }
+    void add(std::uint32_t number);
+    [[nodiscard]] bool find_removed(const Seed& seed);
+    void join(Site site);
+    void remove_rest(std::size_t used);
+    void find_reach();
+    void set_corner(std::uint32_t corner, Site site, Site from, Site to);
+    void set_weights(std::uint32_t corner, double u, double v, double error);
+    void settle(std::int32_t triangle, ClippedTriangle& exact);
+    [[nodiscard]] std::size_t padded() const { return (count_ + lanes - 1) / lanes * lanes; }
+
+    const Surface& surface_;
+    std::array<exact::Point, 3> vertex_{};
+    exact::Point center_{}, lower_{}, upper_{};  // of the triangle
+    Vector3 first_{};                            // the first vertex, relative to the center
+    std::array<Vector3, 2> way_{};               // from there to the others
+    double length_ = 0;                          // a bound on all three
+    std::vector<Seed> seeds_;
+    std::size_t count_ = 0;  // corners
+    // By corner. Errors are bounds.
+    std::array<double, max_corners + lanes> u_, v_, value_, square_, error_, difference_;
+    std::array<Links, max_corners> links_;
+    std::array<std::uint8_t, max_corners> is_removed_{};
+    std::vector<std::uint32_t> removed_;
+    std::vector<Change> border_;
+    std::array<std::uint32_t, max_seeds + edges> leading_, following_;  // new corners, by the site after and before
+    double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;       // of all so far
+    double reach_ = 0;  // square of the distance up to which seeds may cut
+    bool is_sure_ = true;
+    std::vector<std::uint32_t> parts_;  // a corner of each
+    std::vector<Site> sites_;           // of these
+    std::array<std::uint32_t, max_seeds + edges> corner_of_site_;
+
+    std::uint32_t number_ = 0;
+    std::size_t size_ = 0;
+    std::array<Side, max_seeds + edges> sides_;
+    std::array<std::array<double, 2>, max_seeds + edges> weights_;
+    std::array<Vector3, 3> relative_{};
+};
+
+}  // namespace votess::surface
