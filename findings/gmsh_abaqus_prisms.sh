@@ -16,7 +16,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 "${PYTHON:-python3}" -m venv venv
-venv/bin/pip install --quiet gmsh==4.15.2 meshio==5.3.5 pynastran==1.4.1 numpy==2.4.6
+venv/bin/pip install --quiet gmsh==4.15.2 meshio==5.3.5 pynastran==1.4.1 numpy==1.26.4
 
 venv/bin/python -W ignore - <<'EOF'
 import sys
@@ -75,7 +75,7 @@ for incomplete, written, begin in ((0, ["C3D6"], "76 cells wedge, "), (1, ["C3D1
     except KeyError as error:
         found = f"KeyError {error}"
     try:
-        nastran = sorted({len(element.nodes) for element in read_bdf("prisms.bdf", punch=True, debug=None).elements.values()})
+        nastran = sorted({len(element.nodes) for element in read_bdf("prisms.bdf", punch=True, xref=False, debug=None).elements.values()})
     except AssertionError as error:
         nastran = str(error).split("\n")[0]
     same = (prisms == 28 and types == written and found.startswith(begin) and " 0 of" not in found and misplaced("prisms.inp") == 0
