@@ -1,5 +1,5 @@
-// GeoJSON (RFC 7946) and sequences of it (RFC 8142, and one text a line): the polygons of its geometries. Other geometries
-// are refused.
+// GeoJSON (RFC 7946) and sequences of it (RFC 8142, and one text a line): the polygons of its geometries. Other
+// geometries are refused.
 #include <algorithm>
 #include <cmath>
 #include <string>

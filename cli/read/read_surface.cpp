@@ -280,9 +280,10 @@ bool holds_polygons(const std::string& path) {
 Surface read_surface(const std::string& option, const std::string& path) {
     const SurfaceFormat* const format = find_format(path);
     if (!format)
-        throw bad_input(option + " " + in_quotes(path) +
-                        ": known are .off .obj .stl .ply .glb, and with --2d .geojson .geojsonl: convert it, for example with " +
-                        "trimesh, PyVista or Blender");
+        throw bad_input(
+            option + " " + in_quotes(path) +
+            ": known are .off .obj .stl .ply .glb, and with --2d .geojson .geojsonl: convert it, for example with " +
+            "trimesh, PyVista or Blender");
     return format->parse(read_whole(path), path);
 }
 
