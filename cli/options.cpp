@@ -123,8 +123,9 @@ Into .foam, .msh and .cgns the pieces with shared faces; the surface is a
 patch, or surface1 and on where it is in several parts.
 --image draws pieces. Queries have answers inside: --to-grid is 0 outside,
 and rays have their parts inside.
-.geojson: polygons with holes, in two dimensions, which it implies. Into
-.geojson the pieces of cells as polygons)",
+.geojson, and .geojsonl with one GeoJSON text a line: polygons with holes,
+in two dimensions, which they imply. Where polygons overlap, places count
+as often as they lie in one. Into .geojson the pieces of cells as polygons)",
          {.needs = Needs::all_points}},
         {"--min-edge LENGTH",
          R"(in .foam, .tess, .msh, .cgns and .stl: make one vertex of the ends of

@@ -1,4 +1,5 @@
-// GeoJSON (RFC 7946): the polygons of its geometries. Other geometries are refused.
+// GeoJSON (RFC 7946) and sequences of it (RFC 8142, and one text a line): the polygons of its geometries. Other
+// geometries are refused.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -14,8 +15,18 @@ constexpr int max_depth = 32;  // of collections
 
 class GeojsonReader {
 public:
-    explicit GeojsonReader(const std::string& name) : name_(name) { surface_.planar = true; }
+    // name: for messages.
+    explicit GeojsonReader(std::string name) : name_(std::move(name)) { surface_.planar = true; }
+    void rename(std::string name) { name_ = std::move(name); }
 
+    void read(std::string_view text) { add(Json::read(text, name_)); }
+
+    [[nodiscard]] Surface finish() {
+        if (surface_.triangles.empty()) throw error("no polygon found");
+        return std::move(surface_);
+    }
+
+private:
     void add(const Json& value, int depth = 0) {
         if (depth > max_depth) throw error("collections lie in each other, more than " + std::to_string(max_depth));
         const std::optional<Json> type = value.find("type");
@@ -37,12 +48,6 @@ public:
         }
     }
 
-    [[nodiscard]] Surface finish() {
-        if (surface_.triangles.empty()) throw error("no polygon found");
-        return std::move(surface_);
-    }
-
-private:
     [[nodiscard]] Failure error(const std::string& message) const { return bad_input(name_ + ": " + message); }
 
     void add_all(const Json& value, const char* member, int depth) {
@@ -96,18 +101,43 @@ private:
         }
     }
 
-    const std::string& name_;
+    std::string name_;
     Surface surface_;
     std::size_t rings_ = 0;
 };
 
+// Returns the text without the mark of UTF-8, which some editors write.
+std::string_view without_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    return text;
+}
+
 }  // namespace
 
 Surface parse_geojson(std::string_view text, const std::string& name) {
-    constexpr std::string_view mark = "\xEF\xBB\xBF";  // of UTF-8, which some editors write
-    if (text.starts_with(mark)) text.remove_prefix(mark.size());
     GeojsonReader reader(name);
-    reader.add(Json::read(text, name));
+    reader.read(without_mark(text));
+    return reader.finish();
+}
+
+Surface parse_geojson_sequence(std::string_view text, const std::string& name) {
+    constexpr char record = '\x1E';
+    text = without_mark(text);
+    const bool has_records = text.find(record) != std::string_view::npos;
+    GeojsonReader reader(name);
+    std::size_t line = 1;
+    while (!text.empty()) {
+        const std::string_view part = text.substr(0, text.find(has_records ? record : '\n'));
+        if (part.find_first_not_of(" \t\r\n") != std::string_view::npos) {
+            reader.rename(name + ":" + std::to_string(line));
+            reader.read(part);
+        }
+        line += static_cast<std::size_t>(std::ranges::count(part, '\n'));
+        if (!has_records) ++line;
+        text.remove_prefix(std::min(part.size() + 1, text.size()));
+    }
+    reader.rename(name);
     return reader.finish();
 }
 

@@ -247,28 +247,43 @@ Surface parse_stl(std::string_view bytes, const std::string& name) {
     return surface;
 }
 
+namespace {
+
+struct SurfaceFormat {
+    std::string_view extension;
+    Surface (*parse)(std::string_view, const std::string&);
+    bool planar = false;
+};
+constexpr std::array<SurfaceFormat, 10> surface_formats{{{".off", parse_off},
+                                                         {".obj", parse_obj},
+                                                         {".stl", parse_stl},
+                                                         {".ply", parse_ply_surface},
+                                                         {".glb", parse_glb},
+                                                         {".geojson", parse_geojson, true},
+                                                         {".json", parse_geojson, true},
+                                                         {".geojsonl", parse_geojson_sequence, true},
+                                                         {".geojsons", parse_geojson_sequence, true},
+                                                         {".geojsonseq", parse_geojson_sequence, true}}};
+
+const SurfaceFormat* find_format(const std::string& path) {
+    const auto* const format = std::ranges::find(surface_formats, extension_of(path), &SurfaceFormat::extension);
+    return format == surface_formats.end() ? nullptr : format;
+}
+
+}  // namespace
+
 bool holds_polygons(const std::string& path) {
-    const std::string extension = extension_of(path);
-    return extension == ".geojson" || extension == ".json";
+    const SurfaceFormat* const format = find_format(path);
+    return format && format->planar;
 }
 
 Surface read_surface(const std::string& option, const std::string& path) {
-    struct Format {
-        std::string_view extension;
-        Surface (*parse)(std::string_view, const std::string&);
-    };
-    constexpr std::array<Format, 7> formats{{{".off", parse_off},
-                                             {".obj", parse_obj},
-                                             {".stl", parse_stl},
-                                             {".ply", parse_ply_surface},
-                                             {".glb", parse_glb},
-                                             {".geojson", parse_geojson},
-                                             {".json", parse_geojson}}};
-    const auto* const format = std::ranges::find(formats, std::string_view(extension_of(path)), &Format::extension);
-    if (format == formats.end())
-        throw bad_input(option + " " + in_quotes(path) +
-                        ": known are .off .obj .stl .ply .glb, and with --2d .geojson: convert it, for example with " +
-                        "trimesh, PyVista or Blender");
+    const SurfaceFormat* const format = find_format(path);
+    if (!format)
+        throw bad_input(
+            option + " " + in_quotes(path) +
+            ": known are .off .obj .stl .ply .glb, and with --2d .geojson .geojsonl: convert it, for example with " +
+            "trimesh, PyVista or Blender");
     return format->parse(read_whole(path), path);
 }
 

@@ -1,4 +1,5 @@
-// The mesh of --mesh: triangles from .off, .obj, .stl, .ply or .glb, polygons of the plane from .geojson.
+// The mesh of --mesh: triangles from .off, .obj, .stl, .ply or .glb, polygons of the plane from .geojson
+// and .geojsonl.
 #pragma once
 
 #include <cstdint>
@@ -61,5 +62,7 @@ private:
 [[nodiscard]] Surface parse_glb(std::string_view bytes, const std::string& name);
 // Polygons of geometries, features and collections. Outlines and holes may run in any direction.
 [[nodiscard]] Surface parse_geojson(std::string_view text, const std::string& name);
+// GeoJSON texts, each on a line, or each after the record separator of RFC 8142.
+[[nodiscard]] Surface parse_geojson_sequence(std::string_view text, const std::string& name);
 
 }  // namespace clvotess

@@ -39,7 +39,8 @@ void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept 
     out[length] = '\0';
 }
 
-// Options::min_face becomes options.min_face, FitOptions::tolerance fit_options.tolerance. The text never grows.
+// Options::min_face becomes options.min_face, FitOptions::tolerance fit_options.tolerance, and StreamOptions::memory
+// stream.memory, which is a member of votess_stream. The text never grows.
 void set_last_error(std::string_view message) noexcept {
     copy_text(message, last_error, sizeof last_error);
     constexpr std::string_view member = "Options::";
@@ -52,8 +53,9 @@ void set_last_error(std::string_view message) noexcept {
         char* word = end;
         while (word != last_error && std::isalpha(static_cast<unsigned char>(word[-1])) != 0) --word;
         for (char* c = word; c != end; ++c) *c = static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
-        if (word != end) *end++ = '_';
-        end = std::ranges::copy(std::string_view("options."), end).out;
+        const bool of_stream = std::string_view(word, end) == "stream";
+        if (word != end && !of_stream) *end++ = '_';
+        end = std::ranges::copy(std::string_view(of_stream ? "." : "options."), end).out;
         next += member.size();
     }
     *end = '\0';

@@ -270,6 +270,29 @@ class GeojsonFiles(ReaderTest):
         self.put("marked.json", "\ufeff" + json.dumps(self.CITY))
         self.assertEqual(self.json("--random", 9, "--mesh", "marked.json")["box_volume"], 7.75)
 
+    def test_sequences(self):  # of features, as GDAL writes them: a line each, or after a record separator
+        whole = self.volumes(self.CITY)
+        cells = [{"type": "Feature", "properties": {"a": 1}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+                 for ring in ([[0, 0], [4, 0], [4, 1], [0, 1]], [[0, 1], [4, 1], [4, 2], [0, 2]], [[5, 5], [6, 5], [6, 6]])]
+        lines = [json.dumps(cell) for cell in cells]
+        spread = [json.dumps(cell, indent=1) for cell in cells]
+        for name, text in (("a.geojsonl", "\n".join(lines)), ("b.geojsonl", "\ufeff" + "\r\n\r\n".join(lines) + "\r\n"),
+                           ("a.geojsons", "".join(f"\x1e{line}\n" for line in lines)),
+                           ("a.geojsonseq", "".join(f"\x1e{text}\n" for text in spread)), ("c.geojsonl", lines[0] + "\n" + spread[1])):
+            self.put(name, text)
+            if name == "c.geojsonl":
+                self.refuse("--random", 9, "--mesh", name, says="c.geojsonl:2: ")
+            else:
+                self.assertEqual(self.json("--random", 9, "--mesh", name)["box_volume"], 8.5)
+        self.put("city.geojsonl", json.dumps(self.CITY))
+        self.run_cli("--random", "100", "--mesh", "city.geojsonl", "-q", "-o", "b.npz")
+        with np.load(self.folder / "b.npz") as arrays:
+            np.testing.assert_array_equal(arrays["volumes"], whole)
+        self.put("a.geojsons", f"\x1e{spread[0]}\n\x1e" + '{"type": "Point", "coordinates": [0, 0]}')
+        self.refuse("--random", 9, "--mesh", "a.geojsons", says=f"a.geojsons:{spread[0].count(chr(10)) + 2}: a geometry has the type")
+        self.put("a.geojsonl", "\n\n")
+        self.refuse("--random", 9, "--mesh", "a.geojsonl", says="a.geojsonl: no polygon found")
+
     def test_refusals(self):
         self.put("a.geojson", json.dumps(self.CITY))
         random = ["--random", "50", "--mesh", "a.geojson"]

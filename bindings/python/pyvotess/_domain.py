@@ -172,7 +172,8 @@ class Domain:
     mesh : a closed triangle mesh: (vertices, triangles), or a mesh of trimesh, PyVista, meshio or Open3D. Each cell is its part
         inside, see the page "Domains". Points may lie outside. Refused with walls and outside. In the plane polygons with
         holes: GeoJSON as a dict, an object with ``__geo_interface__`` as of Shapely, or (vertices, edges) with the domain
-        on the left of each edge. Not in a ``cell`` there.
+        on the left of each edge. Not in a ``cell`` there. Where parts of a mesh or polygons overlap, places count as often
+        as they lie in one.
     mesh_repair : "merge" makes vertices of the mesh at equal places one, as meshes from STL files need. Default: none.
     mesh_tolerance : with "merge", vertices at most this far apart become one too. A share of the longest side of the
         mesh's bounds, at most 0.01; 1e-9 closes meshes whose corners differ by rounding. ``stats.moved_vertices`` and

@@ -31,6 +31,11 @@ class RowArrays:
     edge_counts: Optional[UInt32Array]  #: (N,)
     vertex_counts: Optional[UInt32Array]  #: (N,)
 
+    def _listed(self) -> str:
+        """Returns the names of the arrays that are there, for a repr."""
+        given = [name for name in NAMES if name != "status" and getattr(self, name) is not None]
+        return ", ".join(given) or "no measures"
+
     if not TYPE_CHECKING:  # a type checker would accept any name
 
         def __getattr__(self, name: str) -> Any:

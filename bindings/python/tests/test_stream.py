@@ -57,6 +57,23 @@ class Stream(unittest.TestCase):
         _, result, whole = self.check(single, np.split(single, 2))
         np.testing.assert_array_equal(result.box, whole.box)
 
+    def test_repr(self):  # short, whatever the arrays hold
+        rows = Rows()
+        points = uniform(5000)
+        result = vt.tessellate_stream([points], rows, memory=LITTLE, box=UNIT_BOX, want="volumes,centroids", verify=True)
+        first = rows.pieces[1]
+        self.assertEqual(repr(first), f"<pyvotess.StreamRows of {len(first)} seeds from {first.first} on: no rows, volumes, centroids>")
+        self.assertEqual(repr(result), f"<pyvotess.StreamResult of 5000 seeds in {result.blocks} blocks, the largest of "
+                                       f"{result.largest_block}, verified>")
+        rows = Rows()
+        vt.tessellate_stream([points], rows, memory=LITTLE, box=UNIT_BOX, want="neighbors")
+        first = rows.pieces[0]
+        self.assertEqual(repr(first), f"<pyvotess.StreamRows of {len(first)} seeds from 0 on: {len(first.indices)} neighbors, no measures>")
+
+    def test_too_little_memory(self):
+        with self.assertRaisesRegex(ValueError, "^memory=5 bytes is too little: give at least 1000000$"):
+            vt.tessellate_stream([uniform(10)], print, memory=5)
+
     def test_plane(self):
         points = uniform(5000)[:, :2]
         for pieces in (np.split(points, 5), (piece for piece in np.split(points, 50))):

@@ -702,6 +702,8 @@ static void check_stream(void) {
     user.stop = user.readings + 1;
     CHECK_FAILS(votess_tessellate_stream(&stream, &options, &counts, NULL), VOTESS_ERROR_CANCELLED, "callback restart");
     CHECK_REFUSES(votess_tessellate_stream(&stream, &options, NULL, NULL), "needs counts");
+    stream.memory = 5;
+    CHECK_REFUSES(votess_tessellate_stream(&stream, &options, &counts, NULL), "stream.memory = 5 bytes is too little");
     stream.verify = 2;
     CHECK_REFUSES(votess_tessellate_stream(&stream, &options, &counts, NULL), "verify is 2");
     stream.rows = NULL;

@@ -74,6 +74,10 @@ class MpiTessellation(RowArrays):
     _result: Handle = field(repr=False, compare=False)
     _dimensions: int = field(repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        return (f"<pyvotess.mpi.MpiTessellation of {len(self.ids)} seeds of one rank: {len(self.owners)} neighbors, "
+                f"{self._listed()}>")  # fmt: skip
+
     def verify(
         self, comm: Any, points: Optional[npt.ArrayLike] = None, sample: Optional[int] = None, rng_seed: int = 1
     ) -> VerifyReport:

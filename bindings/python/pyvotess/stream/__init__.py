@@ -47,6 +47,10 @@ class StreamRows(RowArrays):
     def __len__(self) -> int:
         return len(self.status)
 
+    def __repr__(self) -> str:
+        rows = "no rows" if self.indices is None else f"{len(self.indices)} neighbors"
+        return f"<pyvotess.StreamRows of {len(self)} seeds from {self.first} on: {rows}, {self._listed()}>"
+
     def neighbors(self, k: int) -> Int64Array:
         """Returns row k, that of seed ``first + k``."""
         if self.indptr is None or self.indices is None:
@@ -67,6 +71,11 @@ class StreamResult:
     asked_cells: int  #: cells completed by other blocks
     temporary_bytes: int  #: of all temporary files at one time, at most
     verified: Optional[VerifyReport] = None  #: with ``verify=True``
+
+    def __repr__(self) -> str:
+        verified = "" if self.verified is None else ", verified" if self.verified.passed else ", failed to verify"
+        return (f"<pyvotess.StreamResult of {self.stats.points} seeds in {self.blocks} block{'s' * (self.blocks != 1)}, "
+                f"the largest of {self.largest_block}{verified}>")  # fmt: skip
 
 
 class _Source:
