@@ -16,9 +16,8 @@ constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
 constexpr std::size_t sampled_cells = 16;
 constexpr std::size_t exact_tests = 4;  // so many tests take as long as one that may be exact
-// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights or
-// rounded places all are exact.
-constexpr std::size_t triangulation_tests = 60, weighted_tests = 150;
+// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
+constexpr std::size_t triangulation_tests = 60;
 constexpr std::size_t max_triangulated = 20'000'000;  // seeds; 300 bytes each
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
@@ -51,7 +50,7 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
     const bool has_delaunay = count > 1 && count <= max_triangulated;
     std::vector<std::int32_t> hard = collect_hard();
     if (hard.empty()) return;
-    const std::size_t cost = (are_plain_points(seeds_) ? triangulation_tests : weighted_tests) * count;
+    const std::size_t cost = triangulation_tests * count;
     // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
     std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
