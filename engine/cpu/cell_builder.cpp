@@ -600,6 +600,18 @@ Cell& CellBuilder::build_among_images(std::size_t seed, std::span<const std::int
     return cell_;
 }
 
+Cell& CellBuilder::build_among_images(std::size_t seed, std::span<const std::int32_t> candidates,
+                                      const Unwrapped& unwrapped) {
+    set_seed(seed);
+    tests_ = 0;
+    max_tests_ = std::numeric_limits<std::size_t>::max();
+    start();
+    for (const std::int32_t i : candidates) clip_far_image(i, {}, {seeds_, hierarchy_, {}, {}, 0, &unwrapped});
+    clip_walls();
+    if (!cell_.empty()) clip_images_of(unwrapped);
+    return cell_;
+}
+
 Cell& CellBuilder::rebuild(CellFaces& faces) {
     cell_.canonical_faces(faces);
     if (!plain_ || cell_.empty() || !seeds_.beyond.empty()) return rebuild_by_planes(faces);
@@ -808,43 +820,64 @@ double CellBuilder::more_weight_of(const ImageNode& node) const {
     return std::min(more_weight_, heaviest - weight_);
 }
 
-void CellBuilder::push_far(const ImageNode& node) {
-    const Box images = seen_from({}, images_of(*domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_),
-                                 seeds_.images->rounding_of_seeds());
+void CellBuilder::push_far(const ImageNode& node, const Homes& homes) {
+    const Box box = box_of(node, homes.seeds, homes.hierarchy);
+    const Box images = seen_from({}, images_of(*domain_, box, node.shifts, homes.at), homes.rounding);
     const double distance_squared = box_distance(images, {});
     if (distance_squared >= reach_squared()) return;
-    Box places = images;
-    for (std::size_t k = 0; k < 3; ++k) places.lower[k] += at_[k], places.upper[k] += at_[k];
-    if (seeds_.images->are_present(places)) return;  // clip_window() or clip_far() has tried them
+    if (homes.unwrapped == nullptr) {
+        Box places = images;
+        for (std::size_t k = 0; k < 3; ++k) places.lower[k] += at_[k], places.upper[k] += at_[k];
+        if (seeds_.images->are_present(places)) return;  // clip_window() or clip_far() has tried them
+    }
     far_images_.push_back({distance_squared, node, images});
     std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
 }
 
-void CellBuilder::clip_far_group(const FarEntry& entry, double from) {
+void CellBuilder::clip_far_image(std::int32_t home, const exact::Shift& shift, const Homes& homes) {
+    const exact::Shift by = homes.unwrapped == nullptr ? shift : homes.unwrapped->shift_between(own_, home, shift);
+    if (!cell_.has_plane(home, by)) clip_by_image(home, by);
+}
+
+void CellBuilder::clip_far_group(const FarEntry& entry, const Homes& homes, double from) {
     const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
-    const exact::Point by = domain_->translation(shift), moved{at_[0] - by[0], at_[1] - by[1], at_[2] - by[2]};
-    const std::size_t begin = entry.at.node * group_size, end = std::min(seeds_.group_end(begin), seeds_.size());
+    const exact::Point by = domain_->translation(shift);
+    const exact::Point moved{homes.at[0] - by[0], homes.at[1] - by[1], homes.at[2] - by[2]};
+    const SortedSeeds& seeds = homes.seeds;
+    const std::size_t begin = entry.at.node * group_size, end = std::min(seeds.group_end(begin), seeds.size());
     double distance[group_size];
-    kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
+    kernels_.squared_distances(&seeds.x[begin], &seeds.y[begin], &seeds.z[begin], static_cast<int>(end - begin),
                                moved.data(), distance);
     for (std::size_t i = begin; i < end; ++i) {
-        const auto id = static_cast<std::int32_t>(i);
-        if (distance[i - begin] < from || cell_.has_plane(id, shift)) continue;
-        clip_by_image(id, shift);
+        if (distance[i - begin] < from) continue;
+        clip_far_image(static_cast<std::int32_t>(i), shift, homes);
         ++tests_;
     }
 }
 
 void CellBuilder::clip_far_images() {
     const double known = std::max(0.0, seeds_.images->reach(at_) - rounding_);
+    clip_far_images({seeds_, hierarchy_, at_, seeds_.images->rounding_of_seeds(), known});
+}
+
+void CellBuilder::clip_images_of(const Unwrapped& unwrapped) {
+    const SortedSeeds& seeds = unwrapped.seeds;
+    const auto own = static_cast<std::size_t>(own_);
+    const exact::Point at{seeds.x[own], seeds.y[own], seeds.z[own]};
+    clip_far_images({seeds, unwrapped.hierarchy, at, unwrapped.rounding, 0, &unwrapped});
+}
+
+void CellBuilder::clip_far_images(const Homes& homes) {
+    const double known = homes.known;
     if (reach_squared() <= known * known) return;
     // Images that are certainly nearer have been tried. Bounds of images are rounded outward by more than coordinates.
     const double tried = std::max(0.0, known * (1 - 1e-9) - 64 * rounding_);
-    const int top = hierarchy_.top_level();
+    const int top = homes.hierarchy.top_level();
     far_images_.clear();
     push_far({top, 0,
-              shifts_around(*domain_, hierarchy_.box(top, 0), at_,
-                            std::min(std::sqrt(reach_squared()), neighbor_reach(*domain_)))});
+              shifts_around(*domain_, homes.hierarchy.box(top, 0), homes.at,
+                            std::min(std::sqrt(reach_squared()), neighbor_reach(*domain_)))},
+             homes);
     while (!far_images_.empty()) {
         std::pop_heap(far_images_.begin(), far_images_.end(), farther_images);
         const FarEntry entry = far_images_.back();
@@ -859,17 +892,16 @@ void CellBuilder::clip_far_images() {
         const bool single = entry.at.shifts.is_single();
         if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.at.level == 0) {
-            clip_far_group(entry, tried * tried);
+            clip_far_group(entry, homes, tried * tried);
             continue;
         }
         if (!entry.at.is_single()) {
-            for_each_part(entry.at, *domain_, seeds_, hierarchy_, [&](const ImageNode& part) { push_far(part); });
+            for_each_part(entry.at, *domain_, homes.seeds, homes.hierarchy,
+                          [&](const ImageNode& part) { push_far(part, homes); });
             continue;
         }
-        const auto id = static_cast<std::int32_t>(entry.at.node);
-        const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
-        if (entry.distance_squared < tried * tried || cell_.has_plane(id, shift)) continue;
-        clip_by_image(id, shift);
+        if (entry.distance_squared < tried * tried) continue;
+        clip_far_image(static_cast<std::int32_t>(entry.at.node), only_shift(*domain_, entry.at.shifts), homes);
     }
 }
 

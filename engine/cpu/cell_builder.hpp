@@ -15,6 +15,7 @@
 #include "index/image_nodes.hpp"
 #include "index/seed_images.hpp"
 #include "index/sort.hpp"
+#include "index/unwrapped.hpp"
 #include "polytope/cell.hpp"
 
 namespace votess::cpu {
@@ -67,6 +68,8 @@ public:
     // Builds the cell of a seed of a periodic domain from candidates that include its neighbors among the seeds
     // themselves. Searches their images.
     Cell& build_among_images(std::size_t seed, std::span<const std::int32_t> candidates);
+    // The same for neighbors among the seeds as they are unwrapped, without weights.
+    Cell& build_among_images(std::size_t seed, std::span<const std::int32_t> candidates, const Unwrapped& unwrapped);
     // Returns the cell of a seed that is known to have none.
     Cell& build_hidden(std::size_t seed);
     // Clips the last cell again, by its neighbors only, so that its rounding does not depend on how it was found.
@@ -137,10 +140,23 @@ private:
     [[nodiscard]] std::array<double, 3> way_into_domain() const;
     // Clips by the images beyond those among the seeds.
     void clip_far_images();
+    // Clips by images of unwrapped seeds, without those that are not shifted.
+    void clip_images_of(const Unwrapped& unwrapped);
+    // Where searches for images find the seeds.
+    struct Homes {
+        const SortedSeeds& seeds;
+        const Hierarchy& hierarchy;
+        exact::Point at;        // of the cell's own seed
+        exact::Point rounding;  // of places
+        double known = 0;       // distance within which all images have been tried
+        const Unwrapped* unwrapped = nullptr;
+    };
+    void clip_far_images(const Homes& homes);
     // Returns a bound on the excess of the weights of a node over the seed's.
     [[nodiscard]] double more_weight_of(const ImageNode& node) const;
-    void push_far(const ImageNode& node);
-    void clip_far_group(const FarEntry& entry, double from);
+    void push_far(const ImageNode& node, const Homes& homes);
+    void clip_far_group(const FarEntry& entry, const Homes& homes, double from);
+    void clip_far_image(std::int32_t home, const exact::Shift& shift, const Homes& homes);
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;

@@ -51,6 +51,7 @@ void CpuClipper::end() {
     positions_known_ = false;
     kept_ = nullptr;
     delaunay_.reset();
+    unwrapped_.reset();
     sorted_ = searchable_ = false;
     buried_.clear();
     progress_ = {};
@@ -67,6 +68,7 @@ void CpuClipper::sort(std::span<const std::int32_t> order) {
     seeds_.images = nullptr;
     searchable_ = positions_known_ = false;
     delaunay_.reset();
+    unwrapped_.reset();
     if (job_.domain->is_periodic())
         images_.sort(job_, order, sorter_, *pool_, seeds_);
     else if (!order.empty())

@@ -155,7 +155,8 @@ private:
     KeptCells* kept_ = nullptr;
     const Kernels* kernels_ = nullptr;  // for which the workers are made
     std::vector<std::unique_ptr<Worker>> workers_;
-    std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it
+    std::optional<Delaunay> delaunay_;    // of all seeds, made when hard cells are worth it
+    std::optional<Unwrapped> unwrapped_;  // of those of delaunay_, if they have been
 };
 
 }  // namespace votess::cpu

@@ -16,9 +16,8 @@ constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
 constexpr std::size_t sampled_cells = 16;
 constexpr std::size_t exact_tests = 4;  // so many tests take as long as one that may be exact
-// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights or
-// rounded places all are exact.
-constexpr std::size_t triangulation_tests = 60, weighted_tests = 150;
+// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
+constexpr std::size_t triangulation_tests = 60;
 constexpr std::size_t max_triangulated = 20'000'000;  // seeds; 300 bytes each
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
@@ -48,10 +47,10 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
     const Domain& domain = *job_.domain;
     const bool periodic = domain.is_periodic();
     // Walls only cut the cells, and so do images of seeds.
-    const bool has_delaunay = job_.beyond.empty() && count > 1 && count <= max_triangulated;
+    const bool has_delaunay = count > 1 && count <= max_triangulated;
     std::vector<std::int32_t> hard = collect_hard();
     if (hard.empty()) return;
-    const std::size_t cost = (are_plain_points(seeds_) ? triangulation_tests : weighted_tests) * count;
+    const std::size_t cost = triangulation_tests * count;
     // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
     std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
@@ -79,8 +78,11 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
             clip_each(hard, out, [this, periodic](std::size_t seed, Worker& worker) {
                 if (!seeds_.weights.empty() && delaunay_->is_hidden(seed)) return &worker.builder.build_hidden(seed);
                 delaunay_->neighbors(seed, worker.candidates, worker.marks);
-                return periodic ? &worker.builder.build_among_images(seed, worker.candidates)
-                                : &worker.builder.build_from(seed, worker.candidates);
+                Cell& cell = !periodic    ? worker.builder.build_from(seed, worker.candidates)
+                             : unwrapped_ ? worker.builder.build_among_images(seed, worker.candidates, *unwrapped_)
+                                          : worker.builder.build_among_images(seed, worker.candidates);
+                if (seeds_.is_beyond(seed) && !cell.empty()) cell.drop_if_flat();  // as a search does
+                return &cell;
             });
         } else {
             clip_each(hard, out, search);
@@ -108,12 +110,14 @@ void CpuClipper::clip_hard_again(ResultBuilder& out, const Share& share) {
 }
 
 bool CpuClipper::triangulate() {
-    if (!delaunay_ && are_plain_points(seeds_)) delaunay_.emplace(seeds_);
+    if (!delaunay_ && seeds_.images != nullptr && seeds_.weights.empty()) unwrapped_ = unwrap(seeds_, *pool_);
+    if (!delaunay_ && !unwrapped_ && are_plain_points(seeds_)) delaunay_.emplace(seeds_);
     if (!delaunay_) {
         std::vector<PowerSites::Site> sites;
         for (std::size_t s = 0; s < seeds_.size(); ++s) {
-            const auto at = seeds_.images == nullptr ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
-                                                     : images_.base(s);
+            auto at = seeds_.images == nullptr ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
+                                               : images_.base(s);
+            for (std::size_t j = 0; j < 3 && unwrapped_; ++j) at.shift[j] += unwrapped_->shifts[s][j];
             sites.push_back({at.point, at.shift, seeds_.weights.empty() ? 0 : seeds_.weights[s]});
         }
         delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites), &job_.domain->lattice));

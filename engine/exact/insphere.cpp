@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/arithmetic.hpp"
+#include "exact/determinant.hpp"
 #include "exact/double_double.hpp"
 #include "exact/integer/rows.hpp"
 #include "exact/integer/wide_int.hpp"
@@ -19,36 +20,7 @@ constexpr double orient_factor = 50 * unit, insphere_factor = 400 * unit;
 // An upper bound of all underflow, with coordinates below 2^90.
 constexpr double underflow = 1e-200;
 
-// Determinants of numbers (double), or of WideInt<W>, whose products are as wide as they need.
-template <class Row>
-auto minor_xy(const Row& a, const Row& b) {
-    return a[0] * b[1] - b[0] * a[1];
-}
-
-template <class N, class M>
-auto determinant(const N& az, const N& bz, const N& cz, const M& bc, const M& ac, const M& ab) {
-    return (az * bc - bz * ac) + cz * ab;
-}
-
-template <class Row>
-auto determinant(const Row& a, const Row& b, const Row& c) {
-    return determinant(a[2], b[2], c[2], minor_xy(b, c), minor_xy(a, c), minor_xy(a, b));
-}
-
-template <class Row>
-auto lift(const Row& a) {
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-}
-
-// Expands rows (x, y, z, x^2 + y^2 + z^2) by the last column.
-template <class Row>
-auto lifted_determinant(const Row& a, const Row& b, const Row& c, const Row& d) {
-    const auto ab = minor_xy(a, b), ac = minor_xy(a, c), ad = minor_xy(a, d);
-    const auto bc = minor_xy(b, c), bd = minor_xy(b, d), cd = minor_xy(c, d);
-    const auto abc = determinant(a[2], b[2], c[2], bc, ac, ab), abd = determinant(a[2], b[2], d[2], bd, ad, ab);
-    const auto acd = determinant(a[2], c[2], d[2], cd, ad, ac), bcd = determinant(b[2], c[2], d[2], cd, bd, bc);
-    return (abc * lift(d) - abd * lift(c)) + (acd * lift(b) - bcd * lift(a));
-}
+constexpr auto lift = [](const auto& a) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; };
 
 // N points minus a last one, rounded, and the exact rounding errors.
 template <std::size_t N>
@@ -197,12 +169,12 @@ int insphere(const Point& a, const Point& b, const Point& c, const Point& d, con
     std::array<double, 3> largest;
     subtract<4>(points, p, rows, largest);
     const auto& h = rows.high;
-    const double estimate = lifted_determinant(h[0], h[1], h[2], h[3]);
+    const double estimate = lifted_determinant(h[0], h[1], h[2], h[3], lift);
     const double longest = std::max(std::max(lift(h[0]), lift(h[1])), std::max(lift(h[2]), lift(h[3])));
     const double bound = insphere_factor * (largest[0] * largest[1] * largest[2] * longest) + underflow;
     if (std::abs(estimate) > bound) return sign_of(estimate);
     rows.find_low(points, p);
-    return decide_on_rows(rows, [](const auto& r) { return lifted_determinant(r[0], r[1], r[2], r[3]).sign(); });
+    return decide_on_rows(rows, [](const auto& r) { return lifted_determinant(r[0], r[1], r[2], r[3], lift).sign(); });
 }
 
 }  // namespace votess::exact

@@ -5,6 +5,7 @@
 
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "fit/fewer_seeds.hpp"
 #include "fit/revive.hpp"
 #include "fit/timed.hpp"
 
@@ -25,6 +26,11 @@ constexpr double left_small = 0.25, first_left_small = 1;  // share of small cel
 constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_filled = 0.01, last_filled = 0.5;
 // Tolerances of the linear solver: a share of the residual, within bounds. So convergence stays quadratic.
 constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
+
+// A first step shorter than this, of so many seeds, is worth a fit of fewer seeds.
+constexpr double hard_share = 0.5;
+constexpr Eigen::Index min_seeds = 256;
+constexpr double part_tolerance = 0.1;
 
 // The lift at the start, if some cells have no mass then, or too many; the share of its target that a cell keeps when
 // the lift sinks.
@@ -62,7 +68,7 @@ Weighted Newton::tessellate(Vector weights, Runner& runner) {
     // Convergence is the progress of a fit; 0.95 to 1 is for the tessellation that is returned.
     const double digits = first_residual_ > 0 ? std::log(first_residual_ / now_.residual) : 0;
     const double all_digits = std::log(std::max(first_residual_, 2 * options_.tolerance) / options_.tolerance);
-    const double done = 0.95 * std::clamp(digits / all_digits, 0.0, 1.0);
+    const double done = problem_.is_part ? 0 : 0.95 * std::clamp(digits / all_digits, 0.0, 1.0);
     problem_.run.progress = Stoppable::within({done, done});
     result.tessellation = runner(problem_.run);
     result.weights = std::move(weights);
@@ -156,6 +162,26 @@ void Newton::choose_share() {
     share_ = std::min(1.0, first_change / std::sqrt(square));
 }
 
+void Newton::start_from_fewer() {
+    choose_share();
+    if (problem_.density || share_ >= hard_share || problem_.targets.size() < min_seeds) return;
+    FitOptions options = options_;
+    options.tolerance = std::max(part_tolerance, options_.tolerance);
+    VolumeFit part_out;
+    Newton part(fewer_seeds(problem_), options, part_out);
+    (void)part.run(part.problem_.start);
+    out_.tessellations += part_out.tessellations;
+    out_.seconds.tessellate += part_out.seconds.tessellate;
+    out_.seconds.assemble += part_out.seconds.assemble;
+    out_.seconds.solve += part_out.seconds.solve;
+    const Weighted& few = part.now();
+    if (!(few.volumes.minCoeff() > 0)) return;
+    Weighted next = revived(tessellate(spread(problem_, few)), now_.tessellation, dying * problem_.targets,
+                            max_first_revivals, first_left_small);
+    if (distance_between(next.volumes, problem_.targets) < distance_between(now_.volumes, problem_.targets))
+        now_ = std::move(next);
+}
+
 void Newton::fill() {
     filling_ = true;
     filled_ = filled_ == 0 ? first_filled : last_filled;
@@ -229,6 +255,7 @@ bool Newton::run(Vector weights) {
         return false;
     }
     sink();
+    start_from_fewer();
     choose_share();
     first_residual_ = now_.residual;
     for (; !(now_.residual <= options_.tolerance) || lift_ > 0; ++out_.steps) {

@@ -24,18 +24,6 @@ constexpr double max_wide_images_per_seed = 64, max_wide_images = 0x1p22;
 constexpr double least_widening = 1.25;  // less is not worth another sort
 constexpr double max_images_beside = 4;  // for cells beside their seeds
 
-// Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
-double mean_spacing(const std::array<double, 3>& sides, double count) {
-    std::array<double, 3> sorted = sides;
-    std::ranges::sort(sorted, std::greater());
-    double spacing = 0, product = 1;
-    for (int k = 0; k < 3 && sorted[static_cast<std::size_t>(k)] > spacing; ++k) {
-        product *= sorted[static_cast<std::size_t>(k)];
-        spacing = std::pow(product / count, 1.0 / (k + 1));
-    }
-    return spacing;
-}
-
 // Returns an estimate of the distance of cells from their seeds: half of the slope of the weights, from a sample of
 // pairs of consecutive seeds.
 double distance_of_cells(const SortedSeeds& seeds, const std::vector<double>& weights) {
@@ -54,6 +42,17 @@ double distance_of_cells(const SortedSeeds& seeds, const std::vector<double>& we
 }
 
 }  // namespace
+
+double mean_spacing(const std::array<double, 3>& sides, double count) {
+    std::array<double, 3> sorted = sides;
+    std::ranges::sort(sorted, std::greater());
+    double spacing = 0, product = 1;
+    for (int k = 0; k < 3 && sorted[static_cast<std::size_t>(k)] > spacing; ++k) {
+        product *= sorted[static_cast<std::size_t>(k)];
+        spacing = std::pow(product / count, 1.0 / (k + 1));
+    }
+    return spacing;
+}
 
 inline std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
     const exact::Point& o = domain_->origin;
@@ -106,6 +105,14 @@ exact::Point SeedImages::place_in_domain(std::size_t seed) const {
     exact::Shift shift;
     for (int j = 0; j < 3; ++j) shift[j] = wraps_[input][j] - moves_[seed][j];
     const auto at = position(input, shift);
+    return {at.x[0].high, at.x[1].high, at.x[2].high};
+}
+
+exact::Point SeedImages::place(std::size_t seed, const exact::Shift& shift) const {
+    const Base home = base(seed);
+    exact::Shift total = shift;
+    for (std::size_t j = 0; j < 3; ++j) total[j] += home.shift[j];
+    const auto at = position(home.point, total);
     return {at.x[0].high, at.x[1].high, at.x[2].high};
 }
 

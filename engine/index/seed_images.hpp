@@ -18,6 +18,9 @@
 
 namespace votess::cpu {
 
+// Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
+double mean_spacing(const std::array<double, 3>& sides, double count);
+
 class SeedImages {
 public:
     // Wraps and sorts the seeds of the job, then adds their images. order: of an earlier sort, see put_in_order(), or
@@ -62,6 +65,8 @@ public:
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, const exact::Shift& moved) const;
     // Rounded.
     [[nodiscard]] exact::Point place_in_domain(std::size_t seed) const;
+    // Returns the place of an image of a seed, rounded.
+    [[nodiscard]] exact::Point place(std::size_t seed, const exact::Shift& shift) const;
     [[nodiscard]] double largest_coordinate() const { return largest_coordinate_; }
     // Along each axis; 0 where box vectors have no component, so that no place is rounded.
     [[nodiscard]] const exact::Point& largest_rounded() const { return largest_rounded_; }

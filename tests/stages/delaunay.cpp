@@ -21,6 +21,7 @@
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
+#include "triangulate/power_sites.hpp"
 #include "triangulate/triangulation.hpp"
 
 using namespace votess::cpu;
@@ -114,6 +115,52 @@ void check_predicates(const char* name, std::uint64_t seed, int sets, int min_ti
     }
     CHECK(solid > sets / 4);
     CHECK(ties >= min_ties);
+}
+
+// Sites with weights and shifts, some of them nearly in ties: four are on a plane or a sphere up to rounding.
+void check_power_sites(const char* name, std::uint64_t seed, int sets, const votess::exact::Lattice& lattice,
+                       double max_shift, double weight_scale) {
+    Random random(seed);
+    int solid = 0;
+    for (int s = 0; s < sets; ++s) {
+        std::vector<PowerSites::Site> sites;
+        std::vector<Rational> places;
+        std::vector<mpq_class> weights;
+        const double apart = std::pow(10.0, -static_cast<double>(random.below(12)));
+        for (int i = 0; i < 5; ++i) {
+            PowerSites::Site site{{}, {}, weight_scale * apart * random.uniform(-1, 1)};
+            for (double& x : site.point) x = 0.3 + apart * random.uniform(-1, 1);
+            if (s % 3 == 0) site.point[2] = 0.3 + 0x1p-40 * random.uniform();
+            for (auto& shift : site.shift) shift = static_cast<std::int32_t>(max_shift * random.uniform(-1, 1));
+            Rational place = rational_point(site.point);
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < 3; ++k)
+                    place[k] += site.shift[j] * (mpq_class(lattice.vector[j][k].high) + lattice.vector[j][k].low);
+            // The points of one set are near each other again.
+            for (int j = 0; j < 3; ++j)
+                if (s % 2 == 0) site.point[j] = mpq_class(2 * mpq_class(site.point[j]) - place[j]).get_d();
+            place = rational_point(site.point);
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < 3; ++k)
+                    place[k] += site.shift[j] * (mpq_class(lattice.vector[j][k].high) + lattice.vector[j][k].low);
+            sites.push_back(site);
+            places.push_back(place);
+            weights.emplace_back(site.weight);
+        }
+        const PowerSites power(sites, &lattice);
+        INFO(name, " set ", s);
+        const int oriented =
+            sgn(determinant(minus(places[0], places[3]), minus(places[1], places[3]), minus(places[2], places[3])));
+        REQUIRE(power.orient(0, 1, 2, 3) == oriented);
+        if (oriented == 0) continue;
+        ++solid;
+        const Sphere sphere(places[0], places[1], places[2], places[3],
+                            {weights[0], weights[1], weights[2], weights[3]});
+        const int side = sphere.side(places[4], weights[4]);
+        const int found = oriented > 0 ? power.insphere(0, 1, 2, 3, 4) : power.insphere(1, 0, 2, 3, 4);
+        if (side != 0) REQUIRE(found == side);
+    }
+    CHECK(solid > sets / 2);
 }
 
 SortedSeeds sorted_seeds(const test::PointSet& set, votess::ThreadPool& pool) {
@@ -242,6 +289,18 @@ TEST_SUITE("stages") {
         check_predicates("long integers", 8, 2000, 0, [](Random& r) {
             return (r.chance(0.5) ? -0x1p59 : 0x1p59 - 64) + 1.0 * r.integer(-1, 1) * std::ldexp(1.0, r.below(9));
         });
+    }
+
+    TEST_CASE("delaunay: signs of weighted points and images equal rational arithmetic") {
+        votess::exact::Lattice box, skewed;
+        for (int k = 0; k < 3; ++k) box.vector[k][k] = votess::exact::two_sum(1 + 0.1 * k, 0x1p-60);
+        skewed.vector = {{{{{1, 0}, {0, 0}, {0, 0}}}, {{{0.4, 0}, {1, 0}, {0, 0}}}, {{{0.2, 0}, {0.3, 0}, {0.9, 0}}}}};
+        check_power_sites("no images", 1, 2000, box, 0, 1);
+        check_power_sites("box", 2, 2000, box, 2.5, 0);
+        check_power_sites("weights", 3, 2000, skewed, 2.5, 1);
+        check_power_sites("far images", 4, 2000, skewed, 0x1p29, 1);
+        check_power_sites("heavy", 5, 1000, skewed, 1.5, 1e9);
+        check_power_sites("beyond the range of rounded tests", 6, 300, box, 0, 1e60);
     }
 
     TEST_CASE("delaunay: triangulations of small sets are right by definition") {
@@ -434,9 +493,10 @@ TEST_SUITE("stages") {
         struct Tests {
             double among_images, searched;  // of a seed
         };
-        const auto tests_of = [](std::size_t n) {
+        const auto tests_of = [](std::size_t n, bool crosses) {
             test::PointSet set = test::on_sphere(n, 35);
-            for (double& x : set.points) x = 0.375 * x + 0.5;
+            for (std::size_t k = 0; k < set.points.size(); ++k)
+                set.points[k] = 0.375 * set.points[k] + (crosses && k % 3 < 2 ? 0.125 : 0.5);
             votess::Options options;
             options.box = test::cube(0, 1);
             options.periodic = {true, true, false};
@@ -450,13 +510,24 @@ TEST_SUITE("stages") {
             hierarchy.build(seeds, pool);
             CellBuilder builder(seeds, hierarchy);
             builder.begin_job(*job.domain);
-            const Delaunay delaunay(seeds);
+            const auto unwrapped = votess::cpu::unwrap(seeds, pool);
+            REQUIRE(unwrapped.has_value() == crosses);
+            std::vector<PowerSites::Site> sites;
+            for (std::size_t s = 0; s < seeds.size() && crosses; ++s) {
+                auto at = images.base(s);
+                for (std::size_t j = 0; j < 3; ++j) at.shift[j] += unwrapped->shifts[s][j];
+                sites.push_back({at.point, at.shift, 0});
+            }
+            const Delaunay delaunay =
+                crosses ? Delaunay(seeds.size(), PowerSites(sites, &job.domain->lattice)) : Delaunay(seeds);
             std::vector<std::int32_t> candidates;
             std::vector<std::uint8_t> marks;
             Tests tests{};
             for (std::size_t s = 0; s < seeds.size(); s += 20) {
                 delaunay.neighbors(s, candidates, marks);
-                std::vector<std::int32_t> ids = test::faces_of(builder.build_among_images(s, candidates));
+                std::vector<std::int32_t> ids =
+                    test::faces_of(crosses ? builder.build_among_images(s, candidates, *unwrapped)
+                                           : builder.build_among_images(s, candidates));
                 tests.among_images += static_cast<double>(builder.tests());
                 std::vector<std::int32_t> searched = test::faces_of(builder.build(s));
                 tests.searched += static_cast<double>(builder.tests());
@@ -467,10 +538,13 @@ TEST_SUITE("stages") {
             const auto built = static_cast<double>((seeds.size() + 19) / 20);
             return Tests{tests.among_images / built, tests.searched / built};
         };
-        const Tests few = tests_of(300), many = tests_of(1200);
-        CHECK(many.searched > 2.5 * few.searched);
-        CHECK(many.among_images < 1.5 * few.among_images);
-        CHECK(many.among_images < 0.2 * many.searched);
+        for (const bool crosses : {false, true}) {
+            CAPTURE(crosses);
+            const Tests few = tests_of(300, crosses), many = tests_of(1200, crosses);
+            CHECK(many.searched > 2.5 * few.searched);
+            CHECK(many.among_images < 2 * few.among_images);
+            CHECK(many.among_images < 0.2 * many.searched);
+        }
 
         constexpr double inf = std::numeric_limits<double>::infinity();
         for (const bool wrapped : {false, true})  // then places are rounded
@@ -485,6 +559,24 @@ TEST_SUITE("stages") {
                 CHECK(report.failure == "");
                 CHECK(report.proven);
             }
+    }
+
+    TEST_CASE("hard cells: a sphere across all sides of a skewed cell, and one that a box cuts, are proven") {
+        test::PointSet set = test::on_sphere(test::by_size(600, 400), 37);
+        for (double& x : set.points) x = 0.45 * x + 0.5;
+        auto options = test::all_options(test::cube(0, 1));
+        options.box.reset();
+        options.cell = votess::TriclinicBox{.a = {1, 0, 0}, .b = {0.4, 1, 0}, .c = {0.2, 0.3, 1}};
+        const auto skewed = votess::tessellate(std::span<const double>(set.points), options);
+        for (const auto& report : {votess::verify(skewed, set.points), [&] {
+                                       auto cut = test::all_options(test::cube(0.125, 0.875));
+                                       cut.outside = votess::Outside::keep;
+                                       const auto t = votess::tessellate(std::span<const double>(set.points), cut);
+                                       return votess::verify(t, set.points);
+                                   }()}) {
+            CHECK(report.failure == "");
+            CHECK(report.proven);
+        }
     }
 
     TEST_CASE("hard cells: a large sphere among small ones on a sphere, which are proven") {
