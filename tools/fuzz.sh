@@ -4,7 +4,7 @@
 #   ./tools/fuzz.sh HOURS|--sets N [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
 #   ./tools/fuzz.sh --replay FILE... [--device cpu|lavapipe]
 #   ./tools/fuzz.sh --readers HOURS [READER...]
-# Kinds: ties extremes wrapped thin skewed clusters weights walls wedges lattices spheres jobs moving many; default: all.
+# Kinds: ties extremes wrapped thin skewed clusters weights walls wedges lattices spheres jobs moving histories many; default: all.
 # Readers: number text csv gz xyz poscar tess lammps_dump lammps_data ply npy npz off obj stl ply_mesh hdf5; default: all, for equal times.
 # Prints the seed, which is random unless given, and how many sets of each kind it tried. A wrong answer, crash, hang or
 # excess of time or memory is a finding: it is reduced and kept in FOLDER (default build/fuzz) as a text for --replay.

@@ -65,14 +65,24 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
         has_places_ =
             has_places_ || (std::is_floating_point_v<Value> && array.name != "weights" && !array.of(numbers_).empty());
     });
-    for (const exact::Plane& wall : planes_.domain().walls) {
-        const double length = length3(wall.seed);
-        walls_.push_back({wall.seed[0] / length, wall.seed[1] / length, wall.seed[2] / length,
-                          wall.kind == exact::Plane::Kind::wall ? wall.wall / length : -infinity});
+    for (std::int32_t id = -1; - id <= planes_.walls(); --id) {
+        if (!planes_.has_wall(id)) continue;
+        using Kind = exact::Plane::Kind;
+        const exact::Plane plane = planes_.plane(0, id, {});
+        NearWall& wall = walls_.emplace_back(NearWall{id, {}, -infinity});
+        if (plane.kind == Kind::wall) {
+            const double length = length3(plane.seed);
+            wall = {id, {plane.seed[0] / length, plane.seed[1] / length, plane.seed[2] / length}, plane.wall / length};
+        } else if (plane.kind == Kind::lower_wall || plane.kind == Kind::upper_wall) {
+            const double side = plane.kind == Kind::upper_wall ? 1 : -1;
+            wall.normal[static_cast<std::size_t>(plane.axis)] = side;
+            wall.offset = side * plane.wall;
+        }
     }
+    const Vector3 diagonal = minus(planes_.domain().box.upper, planes_.domain().box.lower);
     for (unsigned k = 0; k < pool_.size(); ++k) {
         workers_.push_back(std::make_unique<Worker>(planes_));
-        workers_.back()->areas.begin(std::numeric_limits<double>::max());
+        workers_.back()->areas.begin(std::min(4 * dot(diagonal, diagonal), std::numeric_limits<double>::max()));
     }
 }
 
@@ -99,14 +109,14 @@ void Certificate::prefetch(std::size_t i) const {
     }
 }
 
-template <class Task>
+template <bool with_prefetch, class Task>
 void Certificate::for_cells(const Task& task) {
     const std::size_t count = result_.status.size();
     pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
         check_stop();
         const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
         for (std::size_t i = begin; i < end; ++i) {
-            if (i + 1 < end) prefetch(i + 1);
+            if (with_prefetch && i + 1 < end) prefetch(i + 1);
             task(*workers_[worker], i);
         }
     });
@@ -114,7 +124,7 @@ void Certificate::for_cells(const Task& task) {
 
 Certificate::Verdict Certificate::prove() {
     for (auto& w : workers_) w->sums.assign(buckets, 0);
-    for_cells([&](Worker& w, std::size_t i) {
+    for_cells<true>([&](Worker& w, std::size_t i) {
         const bool is_outside = !job_.outside.empty() && job_.outside[i] == CellStatus::outside;
         if (is_outside != (result_.status[i] == CellStatus::outside))
             w.fault.note(static_cast<std::int64_t>(i), [&] {
@@ -146,9 +156,9 @@ Certificate::Verdict Certificate::prove() {
     }
     if (combine()) check_volume(sum);
     if (combine() && std::ranges::any_of(open_names_, [](std::uint64_t s) { return s != 0; }))
-        for_cells([&](Worker& w, std::size_t i) { check_names(w, i); });
+        for_cells<true>([&](Worker& w, std::size_t i) { check_names(w, i); });
     if (combine())
-        for_cells([&](Worker& w, std::size_t i) {
+        for_cells<false>([&](Worker& w, std::size_t i) {
             if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
         });
     Verdict verdict;
@@ -233,6 +243,7 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
     const Name nearest = rows_.begin(i) == rows_.end(i) ? Name{-1, {}} : name(rows_.end(i) - 1);
     w.polytope.begin(i, is_live(nearest.id) ? planes_.rounded(i, nearest.id, nearest.shift).length : 1);
     for (std::size_t entry = rows_.begin(i); entry < rows_.end(i); ++entry) {
+        if (add_seeds(w, i, entry)) break;
         const Name other = name(entry);
         const bool itself = other.id == static_cast<std::int32_t>(i) && is_zero(other.shift);
         bool exists = other.id < 0 ? planes_.has_wall(other.id) : is_live(other.id) && !itself;
@@ -257,18 +268,25 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
     return true;
 }
 
+// Adds the rest of a row at once, if these are seeds without shifts.
+bool Certificate::add_seeds(Worker& w, std::size_t i, std::size_t entry) const {
+    const auto rest = rows_.indices.subspan(entry, rows_.end(i) - entry);
+    const auto self = static_cast<std::int32_t>(i);
+    if (rest.front() < 0) return false;
+    for (std::size_t e = entry; e < rows_.end(i) && !rows_.shifts.empty(); ++e)
+        if ((rows_.shifts[3 * e] | rows_.shifts[3 * e + 1] | rows_.shifts[3 * e + 2]) != 0) return false;
+    return std::ranges::all_of(rest, [&](std::int32_t id) { return id != self && is_live(id); }) &&
+           w.polytope.add_seeds(rest);
+}
+
 // Finds the walls that are not among the planes of the polytope, except those surely out of reach.
 void Certificate::find_walls(Worker& w, std::size_t i, double reach) const {
     w.walls.clear();
     const exact::Point p = planes_.seed(i);
     const double far = reach / w.polytope.unit() * (1 + 0x1p-40),
                  rounding = 0x1p-40 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
-    for (std::int32_t id = -1; - id <= planes_.walls(); --id) {
-        if (!planes_.has_wall(id)) continue;
-        if (id < -6) {
-            const auto& [x, y, z, offset] = walls_[static_cast<std::size_t>(-7 - id)];
-            if (offset - (x * p[0] + y * p[1] + z * p[2]) > far + rounding + 0x1p-40 * std::abs(offset)) continue;
-        }
+    for (const auto& [id, normal, offset] : walls_) {
+        if (offset - dot(normal, p) > far + rounding + 0x1p-40 * std::abs(offset)) continue;
         const RoundedPlane plane = w.polytope.seen({id, {}});
         if (RowPolytope::is_out_of_reach(plane, reach)) continue;
         bool known = false;
@@ -279,27 +297,25 @@ void Certificate::find_walls(Worker& w, std::size_t i, double reach) const {
 
 bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
     const RowPolytope& polytope = w.polytope;
-    if (shape == Shape::unsettled)
-        return unsettle(w, i, "has too many faces to find all corners by exact signs"), false;
+    if (shape == Shape::unsettled) return unsettle(w, i, "has a cell whose corners were not all found"), false;
     const int listed = static_cast<int>(rows_.end(i) - rows_.begin(i));
-    const std::string seed = "seed " + std::to_string(i);
-    const auto fault = [&](const std::string& text) {
-        w.fault.note(static_cast<std::int64_t>(i), [&] { return text; });
+    const auto fault = [&](const char* what, const std::string& text) {
+        w.fault.note(static_cast<std::int64_t>(i), [&] { return what + std::to_string(i) + text; });
         return false;
     };
-    if (shape == Shape::open) return fault("cell " + std::to_string(i) + " is not closed by the faces that it lists");
-    if (shape == Shape::flat)
-        return fault("cell " + std::to_string(i) + " has no volume within the faces that it lists");
+    if (shape == Shape::open) return fault("cell ", " is not closed by the faces that it lists");
+    if (shape == Shape::flat || shape == Shape::empty)
+        return fault("cell ", " has no volume within the faces that it lists");
     if (shape == Shape::repeated) {
         const auto [f, g] = polytope.repeated();
-        return fault(seed + " lists " + text_of(polytope.name(f)) + " and " + text_of(polytope.name(g)) +
-                     " for one face");
+        return fault("seed ",
+                     " lists " + text_of(polytope.name(f)) + " and " + text_of(polytope.name(g)) + " for one face");
     }
     for (int f = 0; f < polytope.planes(); ++f) {
         if (f < listed && !polytope.has_face(f))
-            return fault(seed + " lists " + text_of(polytope.name(f)) + ", with which its cell shares no face");
+            return fault("seed ", " lists " + text_of(polytope.name(f)) + ", with which its cell shares no face");
         if (f >= listed && polytope.has_face(f) && run_.settled.list_walls)
-            return fault(seed + " does not list wall " + text_of(polytope.name(f)) + ", which bounds its cell");
+            return fault("seed ", " does not list wall " + text_of(polytope.name(f)) + ", which bounds its cell");
     }
     return true;
 }
@@ -311,7 +327,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     polytope.sharpen(has_places_ ? RowPolytope::sharp : 0x1p-36);
     polytope.measure(m, !numbers_.centroids.empty());
     const double unscale = unscale_ / polytope.unit(), square = unscale * unscale;
-    add_areas(w);
+    if (!result_.stats.tiny_faces) add_areas(w);
     w.volume += m.volume * square * unscale;
     // The surface of a convex body is at most pi times the square of its diameter.
     const double wide = m.diameter + 2 * m.error, doubt = 3.2 * wide * wide * m.error;
@@ -477,7 +493,7 @@ void Certificate::add_polygons(Worker& w, std::size_t i) const {
         const std::int32_t id = result_.indices[e];
         if (id < 0) continue;
         const Worker::PlaneName& other = w.names[e - rows_.begin(i)];
-        const bool is_first = self != id ? self < id : !other.is_before;
+        const bool is_first = self != id ? self < id : other.before == 0;
         const std::uint64_t face = is_first ? own.random * factor_c + other.random * factor_d + other.shift
                                             : other.random * factor_c + own.random * factor_d - other.shift;
         const auto begin = static_cast<std::size_t>(result_.face_offsets[e]),
@@ -505,6 +521,10 @@ void Certificate::check_vertices(Worker& w, std::size_t i) const {
         const RowPolytope::Corner& corner = polytope.corners()[v];
         const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
         const double square = dot(corner.at, corner.at);
+        Vector3 off;
+        for (std::size_t k = 0; k < 3; ++k) off[k] = given[k] * job_.scale - (place[k] + corner.at[k] * per_unit);
+        const double near = 0.5 * run_.tolerance.cell * per_unit;
+        if (square > 0x1p-900 && dot(off, off) <= near * near * square) continue;
         const double length =
             (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -522,13 +542,20 @@ void Certificate::check_vertices(Worker& w, std::size_t i) const {
 
 void Certificate::name_planes(Worker& w, std::size_t i) const {
     const auto self = static_cast<std::int32_t>(i);
-    w.names.clear();
+    w.names.resize(static_cast<std::size_t>(w.polytope.planes()) + 1);
     for (int f = 0; f < w.polytope.planes(); ++f) {
         const Name& other = w.polytope.name(f);
-        w.names.push_back({random_of(other.id), number_of(other.shift), other.id >= 0,
-                           other.id >= 0 && (other.id != self ? other.id < self : other.shift < exact::Shift{})});
+        const std::uint64_t random = random_of(other.id);
+        Worker::PlaneName& name = w.names[static_cast<std::size_t>(f)] = {};
+        name.sum = other.id < 0 ? random * factor_a : random;
+        if (other.id < 0) continue;
+        name.random = random, name.seeds = 1;
+        name.before = (other.id != self ? other.id < self : other.shift < exact::Shift{}) ? 1 : 0;
+        if (is_zero(other.shift)) continue;
+        name.shift = number_of(other.shift);
+        name.products = random * name.shift, name.squares = name.shift * name.shift;
     }
-    w.names.push_back({random_of(self), 0, true, false});
+    w.names.back() = {.sum = random_of(self), .seeds = 1, .random = random_of(self)};
 }
 
 // Adds the names of corners in general position, condition 2.
@@ -549,21 +576,19 @@ void Certificate::add_names(Worker& w, std::size_t i) {
 // random numbers r of seeds and s of shifts, linear in these, from the sums of r, of (r - r')(s - s') and of
 // (s - s')^2 over all pairs.
 std::uint64_t Certificate::name_of(const Worker& w, int corner, std::uint64_t& factor) const {
-    const Worker::PlaneName& self = w.names.back();
-    std::uint64_t seeds = 1, before = 0, r = self.random, s = 0, rs = 0, ss = 0, walls = 0;
+    Worker::PlaneName all = w.names.back();
     for (const int f : w.polytope.corners()[static_cast<std::size_t>(corner)].planes) {
         const Worker::PlaneName& other = w.names[static_cast<std::size_t>(f)];
-        if (!other.is_seed) {
-            walls += other.random;
-            continue;
-        }
-        ++seeds;
-        before += other.is_before ? 1 : 0;
-        r += other.random, s += other.shift;
-        rs += other.random * other.shift, ss += other.shift * other.shift;
+        all.sum += other.sum, all.seeds += other.seeds, all.before += other.before;
+        if (rows_.shifts.empty()) continue;
+        all.random += other.random, all.shift += other.shift;
+        all.products += other.products, all.squares += other.squares;
     }
-    factor = before + 1 == seeds ? 1 - seeds : 1;
-    return scrambled(r + walls * factor_a + (seeds * rs - r * s) * factor_b + (seeds * ss - s * s) * factor_c);
+    factor = all.before + 1 == all.seeds ? 1 - std::uint64_t{all.seeds} : 1;
+    if (!rows_.shifts.empty())
+        all.sum += (all.seeds * all.products - all.random * all.shift) * factor_b +
+                   (all.seeds * all.squares - all.shift * all.shift) * factor_c;
+    return scrambled(all.sum);
 }
 
 void Certificate::check_names(Worker& w, std::size_t i) {
@@ -694,7 +719,7 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
     for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
     for (int cuts = 0; cuts < max_cuts; ++cuts) {
         const Shape shape = polytope.wrap();
-        if (shape == Shape::flat) return;
+        if (shape == Shape::flat || shape == Shape::empty) return;
         if (shape != Shape::solid) break;
         const auto corners = polytope.corners();
         Vector3 middle{};
@@ -739,7 +764,7 @@ bool Certificate::is_covered_once() {
     Vector3 place;
     const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);
     if (!owner) return false;
-    for_cells([&](Worker& w, std::size_t i) {
+    for_cells<true>([&](Worker& w, std::size_t i) {
         if (i == *owner || result_.status[i] != CellStatus::certified) return;
         const Vector3 from = minus(place, planes_.place(i));
         const double length = length3(from[0], from[1], from[2]);

@@ -79,10 +79,11 @@ private:
         double volume = 0, doubt = 0;
         std::size_t covering = 0;  // cells that may hold the place of is_covered_once()
         Fault fault, unsettled;
-        std::int32_t owner = -1;  // a live seed from which to look for others
-        struct PlaneName {
-            std::uint64_t random, shift;
-            bool is_seed, is_before;
+        std::int32_t owner = -1;    // a live seed from which to look for others
+        struct PlaneName {          // what a plane adds to the name of a corner
+            std::uint64_t sum = 0;  // of numbers of seeds and walls
+            std::uint32_t seeds = 0, before = 0;
+            std::uint64_t random = 0, shift = 0, products = 0, squares = 0;  // of seeds
         };
         std::vector<PlaneName> names;
         std::vector<std::uint64_t> keys, corner_keys;
@@ -103,7 +104,7 @@ private:
         std::vector<UnlistedWall> walls;
     };
 
-    template <class Task>
+    template <bool with_prefetch, class Task>
     void for_cells(const Task& task);
     [[gnu::always_inline]] inline void prefetch(std::size_t i) const;
     [[nodiscard]] bool is_live(std::int32_t id) const;
@@ -111,6 +112,7 @@ private:
     void check_cell(Worker& w, std::size_t i);
     [[nodiscard]] bool build(Worker& w, std::size_t i);
     [[nodiscard]] bool add_row(Worker& w, std::size_t i);
+    [[nodiscard]] bool add_seeds(Worker& w, std::size_t i, std::size_t entry) const;
     [[nodiscard]] bool wrap_polygons(Worker& w, std::size_t i) const;
     void find_walls(Worker& w, std::size_t i, double reach) const;
     [[nodiscard]] bool check_faces(Worker& w, std::size_t i, RowPolytope::Shape shape);
@@ -146,8 +148,12 @@ private:
     Rows rows_;
     SeedPlanes planes_;
     double unscale_;
-    std::vector<std::array<double, 4>>
-        walls_;                // of the domain beside its sides: outward normal of length 1, and offset
+    struct NearWall {  // with an outward normal of length 1; an offset of -infinity is not known
+        std::int32_t id;
+        Vector3 normal;
+        double offset;
+    };
+    std::vector<NearWall> walls_;
     bool has_places_ = false;  // or other numbers that are compared
     ThreadPool pool_;
     std::vector<std::unique_ptr<Worker>> workers_;

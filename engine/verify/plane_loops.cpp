@@ -1,5 +1,6 @@
 #include "verify/plane_loops.hpp"
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <string_view>
@@ -19,56 +20,156 @@ VOTESS_INLINE void load(Real4& r, const double* p) {
     std::memcpy(&r, p, sizeof r);
 }
 
-VOTESS_INLINE int slacks_body(const PlaneArrays& planes, const std::array<double, 3>& at, const SureBound& bound,
-                              double* slack) {
-    Mask4 sure{};
-    for (std::size_t f = 0; f < planes.padded; f += plane_lanes) {
-        Real4 x, y, z, d, length, size;
-        load(x, planes.nx + f);
-        load(y, planes.ny + f);
-        load(z, planes.nz + f);
-        load(d, planes.d + f);
-        load(length, planes.length + f);
-        load(size, planes.size + f);
-        const Real4 rest = d - (x * at[0] + y * at[1] + z * at[2]);
-        std::memcpy(slack + f, &rest, sizeof rest);
-        sure -= rest > length * bound.slope + size * bound.constant + bound.floor;  // true is -1
-    }
-    return static_cast<int>(sure[0] + sure[1] + sure[2] + sure[3]);
+VOTESS_INLINE void slacks_of(const PlaneArrays& planes, std::size_t f, const Vector3& at, Real4& slack) {
+    Real4 x, y, z, d;
+    load(x, &planes.nx[f]);
+    load(y, &planes.ny[f]);
+    load(z, &planes.nz[f]);
+    load(d, &planes.d[f]);
+    slack = d - (x * at[0] + y * at[1] + z * at[2]);
 }
 
-VOTESS_INLINE Hit first_hit_body(const PlaneArrays& planes, const double* slack, const std::array<double, 3>& along) {
-    Real4 least{infinity, infinity, infinity, infinity};
-    Mask4 first{-1, -1, -1, -1}, index{0, 1, 2, 3};
-    for (std::size_t f = 0; f < planes.padded; f += plane_lanes, index += static_cast<std::int64_t>(plane_lanes)) {
-        Real4 x, y, z, rest;
-        load(x, planes.nx + f);
-        load(y, planes.ny + f);
-        load(z, planes.nz + f);
-        load(rest, slack + f);
-        const Real4 speed = x * along[0] + y * along[1] + z * along[2], time = rest / speed;
-        const Mask4 nearer = (speed > 0) & (time < least);
-        least = nearer ? time : least;
-        first = nearer ? index : first;
+VOTESS_INLINE int sum_of(const Mask4& mask) {
+    return static_cast<int>(mask[0] + mask[1] + mask[2] + mask[3]);
+}
+
+// As below with the bound of each plane by itself.
+bool is_sure_by_plane(const PlaneArrays& planes, const PlaneCorner& corner) {
+    std::size_t sure = 0;
+    for (std::size_t f = 0; f < planes.count; ++f) {
+        const double slack =
+            planes.d[f] - (planes.nx[f] * corner.at[0] + planes.ny[f] * corner.at[1] + planes.nz[f] * corner.at[2]);
+        sure += slack > planes.length[f] * corner.slope + planes.size[f] * corner.constant + filter_underflow ? 1 : 0;
     }
-    Hit hit{static_cast<int>(first[0]), least[0]};
-    for (std::size_t k = 1; k < plane_lanes; ++k) {
-        const bool nearer = least[k] < hit.time;  // without a branch, which nothing foretells
-        hit.plane = nearer ? static_cast<int>(first[k]) : hit.plane;
-        hit.time = nearer ? least[k] : hit.time;
+    return sure + 3 == planes.count;
+}
+
+template <bool with_inverses>
+VOTESS_INLINE bool sure_corner_body(const PlaneArrays& planes, int a, int b, int c, PlaneCorner& corner,
+                                    double* inverse) {
+    if (!meet(planes, a, b, c, corner)) return false;
+    // The three planes never count: exactly they are 0.
+    const double bound = planes.longest * corner.slope + planes.largest * corner.constant + filter_underflow;
+    Mask4 sure{};
+    for (std::size_t f = 0; f < planes.padded; f += PlaneArrays::lanes) {
+        Real4 slack;
+        slacks_of(planes, f, corner.at, slack);
+        sure -= slack > bound;  // true is -1
+        if constexpr (with_inverses) {
+            const Real4 inverses = 1 / slack;
+            std::memcpy(inverse + f, &inverses, sizeof inverses);
+        }
     }
-    return hit;
+    if constexpr (with_inverses)
+        for (const int f : {a, b, c}) inverse[f] = 0;
+    return sum_of(sure) == static_cast<int>(planes.padded) - 3 || is_sure_by_plane(planes, corner);
+}
+
+VOTESS_INLINE void inverses_body(const PlaneArrays& planes, const Vector3& at, double* inverse) {
+    for (std::size_t f = 0; f < planes.padded; f += PlaneArrays::lanes) {
+        Real4 slack;
+        slacks_of(planes, f, at, slack);
+        const Real4 inverses = 1 / slack;
+        std::memcpy(inverse + f, &inverses, sizeof inverses);
+    }
+}
+
+// The last bits of a quotient hold the number of its plane.
+VOTESS_INLINE Hit first_hit_body(const PlaneArrays& planes, const double* inverse, const Vector3& along) {
+    const auto places = static_cast<std::int64_t>(std::bit_ceil(planes.padded));
+    const Mask4 rest = Mask4{} + ~(places - 1);
+    Real4 most{};
+    Mask4 index{0, 1, 2, 3};
+    for (std::size_t f = 0; f < planes.padded; f += PlaneArrays::lanes) {
+        Real4 x, y, z, times;
+        load(x, &planes.nx[f]);
+        load(y, &planes.ny[f]);
+        load(z, &planes.nz[f]);
+        load(times, inverse + f);
+        const Mask4 bits = ((Mask4)((x * along[0] + y * along[1] + z * along[2]) * times) & rest) | index;
+        most = (Real4)bits > most ? (Real4)bits : most;
+        index += static_cast<std::int64_t>(PlaneArrays::lanes);
+    }
+    const double low = most[0] > most[1] ? most[0] : most[1], high = most[2] > most[3] ? most[2] : most[3],
+                 first = low > high ? low : high;
+    if (!(first > 0x1p-1000)) return {};
+    return {static_cast<int>(std::bit_cast<std::int64_t>(first) & (places - 1)), 1 / first};
+}
+
+VOTESS_INLINE double largest_of(const std::vector<double>& values, std::size_t padded) {
+    Real4 most{};
+    for (std::size_t f = 0; f < padded; f += PlaneArrays::lanes) {
+        Real4 some;
+        load(some, &values[f]);
+        most = some > most ? some : most;
+    }
+    return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+}
+
+static_assert(offsetof(PlaneCorner, at) == 0);
+VOTESS_INLINE void add_areas_body(std::span<const PlaneEdge> edges, const PlaneCorner* corners, const Vector3& origin,
+                                  double* areas) {
+    const Real4 middle{origin[0], origin[1], origin[2], 0};
+    const Mask4 next{1, 2, 0, 3};
+    for (const PlaneEdge& edge : edges) {
+        Real4 from, to, left, right;
+        std::memcpy(&from, corners + edge.from, sizeof from);  // `at` and a number that does not count
+        std::memcpy(&to, corners + edge.to, sizeof to);
+        from -= middle, to -= middle;
+        const Real4 turn =
+            __builtin_shuffle(from * __builtin_shuffle(to, next) - __builtin_shuffle(from, next) * to, next);
+        double *const of_left = areas + 4 * edge.left, *const of_right = areas + 4 * edge.right;
+        load(left, of_left);
+        left += turn;
+        std::memcpy(of_left, &left, sizeof left);
+        load(right, of_right);
+        right -= turn;
+        std::memcpy(of_right, &right, sizeof right);
+    }
+}
+
+VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
+    double* const __restrict d = planes.d.data();
+    double* const __restrict length = planes.length.data();
+    double* const __restrict size = planes.size.data();
+    double* const __restrict distance = planes.distance.data();
+    const double *const x = planes.nx.data(), *const y = planes.ny.data(), *const z = planes.nz.data(),
+                        *const power = planes.power.data();
+    for (std::size_t f = first; f < planes.count; ++f) {
+        const double square = x[f] * x[f] + y[f] * y[f] + z[f] * z[f];
+        const double root = std::sqrt(square), most = 0.5 * (square + std::abs(power[f]));
+        d[f] = 0.5 * (square + power[f]);
+        length[f] = root;
+        size[f] = is_ordinary(root, most) ? most : infinity;  // which no bound trusts
+        distance[f] = size[f] / root;
+    }
+    planes.longest = largest_of(planes.length, planes.padded);
+    planes.largest = largest_of(planes.size, planes.padded);
 }
 
 #define VOTESS_LOOPS(NAME, TARGET)                                                                                    \
-    TARGET int slacks_##NAME(const PlaneArrays& planes, const std::array<double, 3>& at, const SureBound& bound,      \
-                             double* slack) {                                                                         \
-        return slacks_body(planes, at, bound, slack);                                                                 \
+    TARGET void complete_##NAME(PlaneArrays& planes, std::size_t first) {                                             \
+        complete_body(planes, first);                                                                                 \
     }                                                                                                                 \
-    TARGET Hit first_hit_##NAME(const PlaneArrays& planes, const double* slack, const std::array<double, 3>& along) { \
-        return first_hit_body(planes, slack, along);                                                                  \
+    TARGET bool sure_corner_##NAME(const PlaneArrays& planes, int a, int b, int c, PlaneCorner& corner) {             \
+        return sure_corner_body<false>(planes, a, b, c, corner, nullptr);                                             \
     }                                                                                                                 \
-    constexpr PlaneLoops loops_##NAME{slacks_##NAME, first_hit_##NAME};
+    TARGET bool sure_corner_and_inverses_##NAME(const PlaneArrays& planes, int a, int b, int c, PlaneCorner& corner,  \
+                                                double* inverse) {                                                    \
+        return sure_corner_body<true>(planes, a, b, c, corner, inverse);                                              \
+    }                                                                                                                 \
+    TARGET void inverses_##NAME(const PlaneArrays& planes, const Vector3& x, double* inverse) {                       \
+        inverses_body(planes, x, inverse);                                                                            \
+    }                                                                                                                 \
+    TARGET Hit first_hit_##NAME(const PlaneArrays& planes, const double* inverse, const Vector3& along) {             \
+        return first_hit_body(planes, inverse, along);                                                                \
+    }                                                                                                                 \
+    TARGET void add_areas_##NAME(std::span<const PlaneEdge> edges, const PlaneCorner* corners, const Vector3& origin, \
+                                 double* areas) {                                                                     \
+        add_areas_body(edges, corners, origin, areas);                                                                \
+    }                                                                                                                 \
+    constexpr PlaneLoops loops_##NAME{complete_##NAME, sure_corner_##NAME, sure_corner_and_inverses_##NAME,           \
+                                      inverses_##NAME, first_hit_##NAME,   add_areas_##NAME};
 
 VOTESS_LOOPS(baseline, )
 #if defined(__x86_64__)
@@ -76,6 +177,33 @@ VOTESS_LOOPS(avx2, __attribute__((target("avx2"))))
 #endif
 
 }  // namespace
+
+void PlaneArrays::clear() {
+    count = padded = 0;
+    longest = largest = 0;
+}
+
+std::size_t PlaneArrays::append(std::size_t more) {
+    const std::size_t first = count;
+    count += more;
+    pad();
+    return first;
+}
+
+void PlaneArrays::remove(std::size_t first) {
+    count = first;
+    pad();
+}
+
+void PlaneArrays::pad() {
+    padded = (count + lanes - 1) / lanes * lanes;
+    if (nx.size() < padded)
+        for (auto* values : {&nx, &ny, &nz, &d, &length, &size, &distance, &power}) values->resize(2 * padded);
+    for (std::size_t f = count; f < padded; ++f) {
+        nx[f] = ny[f] = nz[f] = length[f] = size[f] = distance[f] = power[f] = 0;
+        d[f] = 1;
+    }
+}
 
 const PlaneLoops& plane_loops() {
 #if defined(__x86_64__)

@@ -11,6 +11,8 @@
 namespace votess {
 namespace {
 
+constexpr std::size_t rows_of_piece = 1024;  // that one thread takes at once
+
 // An entry of a row: seed i lists j.
 struct Entry {
     std::int64_t i = 0, j = 0;
@@ -28,19 +30,27 @@ struct Entry {
     }
 };
 
+using PairSums = std::array<std::uint64_t, 2>;
+
+// Returns the first random numbers of pairs whose lower seed this is.
+PairSums random_of_row(std::int64_t id) {
+    constexpr PairSums starts{0x243f6a8885a308d3, 0x13198a2e03707344};  // digits of pi
+    return {scrambled(starts[0] + static_cast<std::uint64_t>(id)),
+            scrambled(starts[1] + static_cast<std::uint64_t>(id))};
+}
+
 // An entry adds a random number that depends on the pair, the shift and the tags. Its counterpart subtracts the same.
-// So the sums are 0, and with a fault they are 0 with a probability of about 2^-128.
-void add(std::array<std::uint64_t, 2>& sums, const Entry& entry) {
+// So the sums are 0, and with a fault they are 0 with a probability of about 2^-128. of_row: of seed i.
+void add(PairSums& sums, const Entry& entry, const PairSums& of_row) {
     const Entry other = entry.counterpart();
-    const bool adds = entry < other;
+    const bool adds = entry.i != entry.j ? entry.i < entry.j : entry.shift < other.shift;
     const Entry& first = adds ? entry : other;
     std::uint64_t shift = 0;
     for (const std::int8_t s : first.shift) shift = shift << 8 | static_cast<std::uint8_t>(s);
     const std::uint64_t tags = static_cast<std::uint64_t>(first.tag_i) << 32 | static_cast<std::uint32_t>(first.tag_j);
-    constexpr std::array<std::uint64_t, 2> starts{0x243f6a8885a308d3, 0x13198a2e03707344};  // digits of pi
+    const PairSums of_first = first.i == entry.i ? of_row : random_of_row(first.i);
     for (std::size_t s = 0; s < sums.size(); ++s) {
-        std::uint64_t h = scrambled(starts[s] + static_cast<std::uint64_t>(first.i));
-        h = scrambled(h + static_cast<std::uint64_t>(first.j));
+        std::uint64_t h = scrambled(of_first[s] + static_cast<std::uint64_t>(first.j));
         if ((shift | tags) != 0) h = scrambled(scrambled(h + shift) + tags);
         sums[s] += adds ? h : -h;
     }
@@ -152,30 +162,45 @@ void RowChecker::take(const StreamRows& rows, const RowNames& names) {
     sums_.rows |= faces;
     sums_.volumes |= !rows.volumes.empty();
     sums_.counts |= counts && all_faces;
-    for (std::size_t k = 0; k < rows.status.size(); ++k) {
+    const auto check = [&](Checks& checks, std::size_t k) {
         const std::int64_t id = id_of(rows, k, names);
+        if (faces) take_row(checks, rows, k, id, names);
+        if (surfaces) check_surface(rows, k, id, run_, checks.surface);
+        const bool open = run_.ends.any() && (rows.volumes.empty() || std::isinf(rows.volumes[k]));
+        if (counts && all_faces && !open) check_euler(rows, k, id, run_.planar(), checks.euler);
+    };
+    const std::size_t count = rows.status.size(), pieces = (count + rows_of_piece - 1) / rows_of_piece;
+    if (pieces > 1 && !pool_) pool_ = std::make_unique<ThreadPool>(run_.settled.threads);
+    checks_.resize(pool_ ? pool_->size() : 1);
+    const auto check_piece = [&](std::size_t piece, unsigned worker) {
+        for (std::size_t k = piece * rows_of_piece; k < std::min(count, (piece + 1) * rows_of_piece); ++k)
+            check(checks_[worker], k);
+    };
+    if (pieces > 1)
+        pool_->run(pieces, check_piece);
+    else if (count > 0)
+        check_piece(0, 0);
+    for (std::size_t k = 0; k < count; ++k) {
         sums_.certified |= rows.status[k] == CellStatus::certified;
         if (!rows.volumes.empty()) sums_.volume += rows.volumes[k];
-        if (faces) take_row(rows, k, id, names);
-        if (surfaces) check_surface(rows, k, id, run_, surface_);
-        const bool open = run_.ends.any() && (rows.volumes.empty() || std::isinf(rows.volumes[k]));
-        if (counts && all_faces && !open) check_euler(rows, k, id, run_.planar(), euler_);
-        if (takes_part(rows.status[k])) keep(rows, k, id);
+        if (takes_part(rows.status[k])) keep(rows, k, id_of(rows, k, names));
     }
+    if (faces) sums_.entries += begin_of(rows, count);
 }
 
-void RowChecker::take_row(const StreamRows& rows, std::size_t k, std::int64_t id, const RowNames& names) {
+void RowChecker::take_row(Checks& checks, const StreamRows& rows, std::size_t k, std::int64_t id,
+                          const RowNames& names) const {
+    const PairSums of_row = random_of_row(id);
     ReportedFace last;
     for (std::size_t entry = begin_of(rows, k); entry < begin_of(rows, k + 1); ++entry) {
         const ReportedFace face = face_at(rows, entry, run_);
         if (entry > begin_of(rows, k) && !(last < face))
-            order_.note(id, [&] {
+            checks.order.note(id, [&] {
                 return "the row of seed " + std::to_string(id) + " does not ascend at " + std::to_string(face.id);
             });
         last = face;
-        if (run_.has_row(face.id)) add(sums_.pairs, entry_of(id, face, entry, names));
+        if (run_.has_row(face.id)) add(checks.pairs, entry_of(id, face, entry, names), of_row);
     }
-    sums_.entries += begin_of(rows, k + 1) - begin_of(rows, k);
 }
 
 void RowChecker::keep(const StreamRows& rows, std::size_t k, std::int64_t id) {
@@ -217,6 +242,12 @@ VerifyReport RowChecker::report() {
 }
 
 std::size_t RowChecker::combine() {
+    for (Checks& checks : checks_) {
+        for (std::size_t s = 0; s < sums_.pairs.size(); ++s) sums_.pairs[s] += checks.pairs[s];
+        order_.merge(std::move(checks.order));
+        euler_.merge(std::move(checks.euler));
+        surface_.merge(std::move(checks.surface));
+    }
     Writer writer;
     writer.put(sums_);
     for (const Fault* fault : {&order_, &euler_, &surface_}) put(writer, *fault);

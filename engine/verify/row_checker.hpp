@@ -1,19 +1,21 @@
 // The checks of verify() on rows that come in pieces: from a whole result, from a stream or from the ranks of MPI.
 //
-// take() checks each row by itself: it ascends, Euler's formula holds, and the surface is closed. Over all rows it adds
-// up volumes, and signed random numbers of pairs that cancel when each entry has its counterpart in the row of the
-// neighbor. It keeps the cells of least random keys as a sample, which does not depend on how rows come. report()
-// combines the ranks, and tries the sample by brute force.
+// take() checks each row by itself, on the threads of the run: it ascends, Euler's formula holds, and the surface is
+// closed. Over all rows it adds up volumes, and signed random numbers of pairs that cancel when each entry has its
+// counterpart in the row of the neighbor. It keeps the cells of least random keys as a sample, which does not depend on
+// how rows come. report() combines the ranks, and tries the sample by brute force.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/thread_pool.hpp"
 #include "result/arrays.hpp"
 #include "verify/reported_cell.hpp"
 #include "votess/block_cells.hpp"
@@ -88,7 +90,12 @@ private:
     };
     static bool before(const Kept& a, const Kept& b) { return a.key < b.key; }
 
-    void take_row(const StreamRows& rows, std::size_t k, std::int64_t id, const RowNames& names);
+    // What one thread finds in rows by themselves.
+    struct alignas(64) Checks {
+        std::array<std::uint64_t, 2> pairs{};
+        Fault order, euler, surface;
+    };
+    void take_row(Checks& checks, const StreamRows& rows, std::size_t k, std::int64_t id, const RowNames& names) const;
     void keep(const StreamRows& rows, std::size_t k, std::int64_t id);
     // Combines sums and faults of all ranks. Returns how many ranks there are.
     std::size_t combine();
@@ -103,6 +110,8 @@ private:
     Sample sample_;
     RunBlocks& blocks_;
     Sums sums_;
+    std::unique_ptr<ThreadPool> pool_;  // once there are rows for several threads
+    std::vector<Checks> checks_;        // of its threads
     Fault order_, euler_, surface_;
     std::vector<Kept> kept_;  // a heap; from check_sample() on, ascending
 };

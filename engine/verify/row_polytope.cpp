@@ -13,20 +13,10 @@ namespace {
 
 constexpr int max_sure_planes = 512, max_exact_planes = 1000000, max_tried_planes = 40;
 constexpr std::size_t block_size = 64, crowd = 16;
-constexpr double filter_bound = 0x1p-45;
-constexpr double underflow = 0x1p-960;
-
-// Products of five such numbers neither underflow nor overflow.
-constexpr double least_length = 0x1p-80, largest_length = 0x1p80;
-bool is_ordinary(const RoundedPlane& plane) {
-    return plane.length >= least_length && plane.length <= largest_length &&
-           plane.size <= largest_length * largest_length;
-}
-
 }  // namespace
 
 double RowPolytope::doubt_of(const RoundedPlane& plane, double length) {
-    return filter_bound * (plane.length * length + plane.size) + underflow;
+    return filter_bound * (plane.length * length + plane.size) + filter_underflow;
 }
 
 void RowPolytope::begin(std::size_t seed, double length) {
@@ -36,7 +26,7 @@ void RowPolytope::begin(std::size_t seed, double length) {
     unit_ = is_usual || !(length > 0x1p-500) ? 1 : power_of_two(-exponent_above(length));
     names_.clear();
     sources_.clear();
-    for (auto* values : {&nx_, &ny_, &nz_, &d_, &length_, &size_, &distance_}) values->clear();
+    p_.clear();
 }
 
 RoundedPlane RowPolytope::seen(const Name& name) const {
@@ -50,16 +40,34 @@ RoundedPlane RowPolytope::seen(const Name& name) const {
 }
 
 void RowPolytope::add(const Name& name, const RoundedPlane& plane) {
-    const std::size_t f = names_.size();
     names_.push_back(name);
-    if (f == d_.size()) {
-        for (auto* values : {&nx_, &ny_, &nz_, &length_, &size_, &distance_}) values->resize(f + plane_lanes, 0);
-        d_.resize(f + plane_lanes, 1);
+    const std::size_t f = p_.append(1);
+    p_.nx[f] = plane.n[0], p_.ny[f] = plane.n[1], p_.nz[f] = plane.n[2];
+    p_.d[f] = plane.d, p_.length[f] = plane.length;
+    p_.size[f] = is_ordinary(plane.length, plane.size) ? plane.size : infinity;  // which no bound trusts
+    p_.distance[f] = p_.size[f] / plane.length;
+    p_.longest = std::max(p_.longest, p_.length[f]);
+    p_.largest = std::max(p_.largest, p_.size[f]);
+}
+
+bool RowPolytope::add_seeds(std::span<const std::int32_t> ids) {
+    if (unit_ != 1 || !planes_.are_inside()) return false;
+    const std::size_t first = p_.append(ids.size());
+    const exact::Point from = planes_.seed(seed_);
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+        const auto j = static_cast<std::size_t>(ids[k]);
+        const Vector3 n = minus(planes_.seed(j), from);
+        p_.nx[first + k] = n[0], p_.ny[first + k] = n[1], p_.nz[first + k] = n[2];
+        p_.power[first + k] = planes_.power(seed_, j);
+        names_.push_back({ids[k], {}});
     }
-    nx_[f] = plane.n[0], ny_[f] = plane.n[1], nz_[f] = plane.n[2];
-    d_[f] = plane.d, length_[f] = plane.length;
-    size_[f] = is_ordinary(plane) ? plane.size : infinity;  // which no bound trusts
-    distance_[f] = size_[f] / plane.length;
+    loops_.complete(p_, first);
+    if (std::ranges::find(std::span(p_.length).subspan(first, ids.size()), 0.0) ==
+        std::span(p_.length).subspan(first, ids.size()).end())
+        return true;
+    names_.resize(first);
+    p_.remove(first);
+    return false;
 }
 
 const exact::Plane& RowPolytope::source(int f) {
@@ -70,62 +78,13 @@ const exact::Plane& RowPolytope::source(int f) {
     return sources_[at(f)];
 }
 
-// Returns false unless the determinant is certainly positive.
-bool RowPolytope::meet(int a, int b, int c, Corner& corner) const {
-    const Vector3 na = normal(a), nb = normal(b), nc = normal(c);
-    const Vector3 bc = cross(nb, nc), ca = cross(nc, na), ab = cross(na, nb);
-    const double da = d_[at(a)], db = d_[at(b)], dc = d_[at(c)], la = length_[at(a)], lb = length_[at(b)],
-                 lc = length_[at(c)];
-    const double w = dot(na, bc), m = la * lb * lc, inverse = 1 / w;
-    for (std::size_t k = 0; k < 3; ++k) corner.at[k] = (da * bc[k] + db * ca[k] + dc * ab[k]) * inverse;
-    corner.constant = filter_bound * m * inverse;
-    corner.slope = corner.constant * (distance_[at(a)] + distance_[at(b)] + distance_[at(c)]);
-    // The error of W moves the corner along its own direction, which no slack of n.X - d W sees.
-    const double square = dot(corner.at, corner.at);
-    corner.error = corner.slope + corner.constant * (square > underflow ? std::sqrt(square) : length3(corner.at));
-    corner.planes = {a, b, c};
-    return w > filter_bound * m;
-}
-
-bool RowPolytope::is_sure_corner(int a, int b, int c, Corner& corner, double* slacks) {
-    if (!meet(a, b, c, corner)) return false;
-    // The three planes never count: exactly they are 0.
-    const int sure = loops_.slacks(arrays(), corner.at, {corner.slope, corner.constant, underflow}, slacks);
-    return sure == static_cast<int>(d_.size()) - 3;
-}
-
-bool RowPolytope::add_sure_corner(int a, int b, int c) {
-    Corner corner;
-    const std::size_t padded = d_.size();
-    const int v = static_cast<int>(corners_.size()), n = planes();
-    if (slacks_.size() < at(v + 1) * padded) slacks_.resize(2 * at(v + 1) * padded);
-    double* const slacks = &slacks_[at(v) * padded];
-    if (!is_sure_corner(a, b, c, corner, slacks)) return false;
-    for (const int f : corner.planes) slacks[f] = infinity;
-    corners_.push_back(corner);
-    const std::array<int, 4> turn{a, b, c, a};
-    for (std::size_t k = 0; k < 3; ++k) {
-        const int f = turn[k], g = turn[k + 1];
-        faces_[at(f)] = 1;
-        int& other = pairs_[at(g * n + f)];
-        if (other >= 0) {
-            edges_.push_back({other, v, f, g});
-            other = -1;
-        } else {
-            pairs_[at(f * n + g)] = v;
-            waiting_.push_back({v, f, g});
-        }
-    }
-    return true;
-}
-
 // Returns the plane that a ray in planes a and b meets first, by rounded numbers.
 Hit RowPolytope::first_hit(const Vector3& from, const Vector3& along, int a, int b) {
-    if (slacks_.size() < d_.size()) slacks_.resize(d_.size());
-    (void)loops_.slacks(arrays(), from, {}, slacks_.data());
+    if (inverses_.size() < p_.padded) inverses_.resize(p_.padded);
+    loops_.inverses(p_, from, inverses_.data());
     for (const int f : {a, b})
-        if (f >= 0) slacks_[at(f)] = infinity;
-    return loops_.first_hit(arrays(), slacks_.data(), along);
+        if (f >= 0) inverses_[at(f)] = 0;
+    return loops_.first_hit(p_, inverses_.data(), along);
 }
 
 // From a seed well inside, its foot on the nearest plane lies in a face. Elsewhere lines of two planes are tried. They
@@ -134,14 +93,14 @@ bool RowPolytope::guess_start(std::array<int, 3>& start) {
     int nearest = -1;
     double least = infinity, to_seed = infinity;
     for (int f = 0; f < planes(); ++f) {
-        const double distance = d_[at(f)] / length_[at(f)];
+        const double distance = p_.d[at(f)] / p_.length[at(f)];
         if (distance < least) least = distance, nearest = f;
         if (name(f).id >= 0) to_seed = std::min(to_seed, distance);
     }
     if (nearest >= 0 && least > 0 && (least >= 0x1p-30 * to_seed || to_seed == infinity)) {
         const int a = nearest;
         const Vector3 n = normal(a);
-        const double turn = d_[at(a)] / dot(n, n);
+        const double turn = p_.d[at(a)] / dot(n, n);
         Vector3 foot{n[0] * turn, n[1] * turn, n[2] * turn}, across{};
         const std::size_t axis = std::abs(n[0]) < std::abs(n[1]) ? 0 : 1;
         Vector3 unit{};
@@ -167,13 +126,13 @@ bool RowPolytope::guess_from(int a, std::array<int, 3>& start) {
         if (b == a || !(square > 0)) continue;
         const Vector3 u = cross(nb, along), v = cross(along, na);
         Vector3 from;
-        for (std::size_t k = 0; k < 3; ++k) from[k] = (d_[at(a)] * u[k] + d_[at(b)] * v[k]) / square;
+        for (std::size_t k = 0; k < 3; ++k) from[k] = (p_.d[at(a)] * u[k] + p_.d[at(b)] * v[k]) / square;
         double first = -infinity, last = infinity;
         int begin = -1, end = -1;
         for (int c = 0; c < planes() && first < last; ++c) {
             if (c == a || c == b) continue;
             const Vector3 n = normal(c);
-            const double speed = dot(n, along), slack = d_[at(c)] - dot(n, from);
+            const double speed = dot(n, along), slack = p_.d[at(c)] - dot(n, from);
             if (speed > 0 && slack < last * speed)
                 last = slack / speed, end = c;
             else if (speed < 0 && slack < first * speed)
@@ -197,40 +156,48 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
     seems_open_ = false;
     if (n < 4 || n > max_sure_planes || vertices.size() % 3 != 0 || count < 4) return false;
     tight_.clear();
-    corners_.clear();
-    edges_.clear();
-    vertices_.clear();
+    corners_.resize(count);
+    edges_.resize(vertices.size());
+    vertices_.resize(count + 1);
+    fans_.resize(count + 1);
     faces_.assign(at(n), 0);
-    std::size_t size = 32;
+    std::size_t size = 32, found = 0, edge = 0;
     while (size < 2 * count) size *= 2;
-    table_.assign(size, -1);
+    table_.assign(size, {-1, 0});
     slots_.resize(vertices.size());
+    bool any_negative = false;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const std::int32_t id = vertices[k];
+        any_negative |= id < 0;
         std::size_t h = (static_cast<std::uint32_t>(id) * 0x9e3779b1u >> 8) & (size - 1);
-        while (table_[h] >= 0 && vertices_[at(table_[h])] != id) h = (h + 1) & (size - 1);
-        if (table_[h] < 0) {
-            if (id < 0 || vertices_.size() == count) return false;
-            table_[h] = static_cast<int>(vertices_.size());
-            vertices_.push_back(id);
-        }
-        slots_[k] = table_[h];
+        while (table_[h].id != id && table_[h].id >= 0) h = (h + 1) & (size - 1);
+        // Whether it is new is hard to foretell, so both go one way.
+        const bool is_new = table_[h].id != id;
+        const std::int32_t corner = is_new ? static_cast<std::int32_t>(found) : table_[h].corner;
+        table_[h] = {id, corner};
+        slots_[k] = corner;
+        vertices_[found] = id;
+        fans_[found].used = 0;
+        found += is_new ? 1 : 0;
+        if (found > count) return false;
     }
-    fans_.assign(count, {});
+    if (found != count || any_negative) return false;
+    vertices_.resize(count);
     for (int f = 0; f < n; ++f) {
         const auto begin = static_cast<std::size_t>(offsets[at(f)] - offsets[0]),
                    end = static_cast<std::size_t>(offsets[at(f) + 1] - offsets[0]);
         if (begin == end) return false;
-        int before = slots_[end - 1];
+        faces_[at(f)] = 1;
+        int before = slots_[end - 1], corner = slots_[begin];
         for (std::size_t k = begin; k < end; ++k) {
-            Fan& fan = fans_[at(slots_[k])];
+            const int after = slots_[k + 1 == end ? begin : k + 1];
+            Fan& fan = fans_[at(corner)];
             if (fan.used == 3) return false;
             const std::size_t side = at(fan.used++);
-            fan.planes[side] = f, fan.before[side] = before, fan.after[side] = slots_[k + 1 == end ? begin : k + 1];
-            before = slots_[k];
+            fan.planes[side] = f, fan.before[side] = before, fan.after[side] = after;
+            before = corner, corner = after;
         }
     }
-    if (slacks_.size() < d_.size()) slacks_.resize(d_.size());
     for (int v = 0; v < static_cast<int>(count); ++v) {
         const Fan& fan = fans_[at(v)];
         if (fan.used != 3) return false;
@@ -239,14 +206,14 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
             fan.after[third] != fan.before[0] || fan.after[0] == fan.after[1] || fan.after[0] == fan.after[2] ||
             fan.after[1] == fan.after[2])
             return false;
-        if (!is_sure_corner(fan.planes[0], fan.planes[third], fan.planes[second], corners_.emplace_back(),
-                            slacks_.data()))
+        if (!loops_.sure_corner(p_, fan.planes[0], fan.planes[third], fan.planes[second], corners_[at(v)]))
             return false;
         for (const auto& [f, g] : {std::array{std::size_t{0}, second}, {second, third}, {third, std::size_t{0}}}) {
-            faces_[at(fan.planes[f])] = 1;
-            if (v < fan.after[f]) edges_.push_back({v, fan.after[f], fan.planes[f], fan.planes[g]});
+            edges_[edge] = {v, fan.after[f], fan.planes[f], fan.planes[g]};
+            edge += v < fan.after[f] ? 1 : 0;
         }
     }
+    edges_.resize(edge);
     return true;
 }
 
@@ -256,36 +223,67 @@ bool RowPolytope::wrap_surely() {
     if (n < 4) return seems_open_ = true, false;
     if (n > max_sure_planes) return false;
     tight_.clear();
-    corners_.clear();
-    edges_.clear();
-    waiting_.clear();
     faces_.assign(at(n), 0);
+    std::array<int, 3> start{};
+    if (!guess_start(start)) {
+        corners_.clear();
+        edges_.clear();
+        return seems_open_ = true, false;
+    }
+    // More corners than a polytope of n faces has are never made.
+    const std::size_t room = at(2 * n), padded = p_.padded;
+    corners_.resize(room);
+    edges_.resize(3 * room);
     if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), -1);
-    const auto sure = [&] {
-        std::array<int, 3> start{};
-        if (!guess_start(start)) return seems_open_ = true, false;
-        if (!add_sure_corner(start[0], start[1], start[2])) return false;
-        for (std::size_t k = 0; k < waiting_.size(); ++k) {
-            const auto [v, a, b] = waiting_[k];
-            if (pairs_[at(a * n + b)] != v) continue;  // it has an end
-            const int c = loops_.first_hit(arrays(), &slacks_[at(v) * d_.size()], cross(normal(b), normal(a))).plane;
-            if (c < 0) return seems_open_ = true, false;
-            if (corners_.size() > at(2 * n) || !add_sure_corner(b, a, c)) return false;
+    if (waiting_.size() < 3 * room) waiting_.resize(3 * room);
+    std::size_t corners = 0, edges = 0, waiting = 0;
+    const auto add = [&](int a, int b, int c) {
+        if (corners == room) return false;
+        if (inverses_.size() < (corners + 1) * padded) inverses_.resize(2 * (corners + 1) * padded);
+        if (!loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], &inverses_[corners * padded]))
+            return false;
+        const int v = static_cast<int>(corners++);
+        int* const pairs = pairs_.data();
+        for (const auto& [f, g] : {std::array{a, b}, {b, c}, {c, a}}) {
+            faces_[at(f)] = 1;
+            int& other = pairs[g * n + f];
+            if (other >= 0) {
+                edges_[edges++] = {other, v, f, g};
+                other = -1;
+            } else {
+                pairs[f * n + g] = v;
+                waiting_[waiting++] = {v, f, g};
+            }
         }
         return true;
     };
-    if (sure()) return true;
-    std::fill_n(pairs_.begin(), n * n, -1);
-    return false;
+    const auto wrap = [&] {
+        if (!add(start[0], start[1], start[2])) return false;
+        for (std::size_t k = 0; k < waiting; ++k) {
+            const auto [v, a, b] = waiting_[k];
+            if (pairs_[at(a * n + b)] != v) continue;  // it has an end
+            const int c = loops_.first_hit(p_, &inverses_[at(v) * padded], cross(normal(b), normal(a))).plane;
+            if (c < 0) return seems_open_ = true, false;
+            if (!add(b, a, c)) return false;
+        }
+        return true;
+    };
+    const bool sure = wrap();
+    corners_.resize(corners);
+    edges_.resize(edges);
+    if (!sure) std::fill_n(pairs_.begin(), n * n, -1);
+    return sure;
 }
 
 int RowPolytope::side(int v, const Name& name) {
     const Corner& corner = corners_[at(v)];
     const RoundedPlane plane = seen(name);
     const double slack = plane.d - dot(plane.n, corner.at),
-                 bound = corner.slope * plane.length + corner.constant * plane.size + underflow;
-    if (is_ordinary(plane) && slack > bound) return -1;
-    if (is_ordinary(plane) && slack < -bound) return 1;
+                 bound = corner.slope * plane.length + corner.constant * plane.size + filter_underflow;
+    if (is_ordinary(plane.length, plane.size)) {
+        if (slack > bound) return -1;
+        if (slack < -bound) return 1;
+    }
     const auto& [a, b, c] = corner.planes;
     (void)source(a);
     return exact::side_of_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)],
@@ -296,11 +294,11 @@ double RowPolytope::reach() const {
     double square = 0, errors = 0;
     for (const Corner& corner : corners_) {
         const double own = dot(corner.at, corner.at);
-        if (!(own <= 1 / underflow)) return infinity;
+        if (!(own <= 1 / filter_underflow)) return infinity;
         square = std::max(square, own);
         errors += corner.error;
     }
-    return square > underflow ? std::sqrt(square) * (1 + 0x1p-50) + errors : infinity;
+    return square > filter_underflow ? std::sqrt(square) * (1 + 0x1p-50) + errors : infinity;
 }
 
 bool RowPolytope::is_beyond(const RoundedPlane& plane, double reach) const {
@@ -324,8 +322,8 @@ void RowPolytope::make_blocks() {
     std::vector<Vector3> normals;
     std::vector<double> scales(at(planes()), 1);
     for (int f = 0; f < planes(); ++f) {
-        const double square = length_[at(f)] * length_[at(f)], scale = 2 * d_[at(f)] / square;
-        if (name(f).id < 0 && scale > least_length && scale < largest_length) scales[at(f)] = scale;
+        const double square = p_.length[at(f)] * p_.length[at(f)], scale = 2 * p_.d[at(f)] / square;
+        if (name(f).id < 0 && is_ordinary(scale, 0)) scales[at(f)] = scale;
         normals.push_back(normal(f));
         for (double& x : normals.back()) x *= scales[at(f)];
     }
@@ -340,10 +338,10 @@ void RowPolytope::make_blocks() {
                 block.lower[axis] = std::min(block.lower[axis], normals[f][axis]);
                 block.upper[axis] = std::max(block.upper[axis], normals[f][axis]);
             }
-            const double square = dot(normals[f], normals[f]), c = scales[f] * d_[f] - 0.5 * square;
+            const double square = dot(normals[f], normals[f]), c = scales[f] * p_.d[f] - 0.5 * square;
             block.least_c = std::min(block.least_c, c);
-            block.length = std::max(block.length, scales[f] * length_[f]);
-            block.size = std::max(block.size, scales[f] * size_[f]);
+            block.length = std::max(block.length, scales[f] * p_.length[f]);
+            block.size = std::max(block.size, scales[f] * p_.size[f]);
             block.far = std::max(block.far, square + std::abs(c));
         }
         if (end - begin <= block_size) return blocks_.push_back(block);
@@ -377,7 +375,7 @@ void RowPolytope::for_planes_near(const Corner& corner, const Visit& visit) cons
             from_box += beside * beside;
         }
         const double slack = 0.5 * (from_box - square) + block.least_c - rounding * (square + block.far);
-        if (slack > corner.slope * block.length + corner.constant * block.size + underflow) continue;
+        if (slack > corner.slope * block.length + corner.constant * block.size + filter_underflow) continue;
         for (std::size_t k = block.begin; k < block.end; ++k) visit(blocks_order_[k]);
     }
 }
@@ -388,7 +386,7 @@ int RowPolytope::guess_end(const Vector3& from, const Vector3& along, int a, int
     int found = -1;
     for (const Block& block : blocks_) {
         const int f = blocks_order_[block.begin];
-        const double speed = dot(normal(f), along), slack = d_[at(f)] - dot(normal(f), from);
+        const double speed = dot(normal(f), along), slack = p_.d[at(f)] - dot(normal(f), from);
         if (f != a && f != b && speed > 0 && slack < first * speed) first = slack / speed, found = f;
     }
     return found >= 0 ? found : first_hit(from, along, a, b).plane;
@@ -411,7 +409,7 @@ void RowPolytope::sharpen(Corner& corner, double relative_error) {
 // Makes the corner of three planes that meet in a point. Returns the plane that cuts off the most beside it, or -1 and
 // all planes through it.
 int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& through) {
-    if (!meet(a, b, c, corner) && !meet(a, c, b, corner)) {
+    if (!meet(p_, a, b, c, corner) && !meet(p_, a, c, b, corner)) {
         corner.error = corner.slope = corner.constant = infinity;
         corner.planes = {a, b, c};
     }
@@ -423,12 +421,12 @@ int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& th
     for_planes_near(corner, [&](int f) {
         int sign = 0;
         if (f != a && f != b && f != c) {
-            const double slack = d_[at(f)] - dot(normal(f), corner.at),
-                         bound = corner.slope * length_[at(f)] + corner.constant * size_[at(f)] + underflow;
+            const double slack = p_.d[at(f)] - dot(normal(f), corner.at),
+                         bound = corner.slope * p_.length[at(f)] + corner.constant * p_.size[at(f)] + filter_underflow;
             const bool certain = slack < -bound;
             if (slack > bound || (deepest >= 0 && !certain)) return;
             sign = certain ? 1 : exact::side_of_vertex(planes_.seed(seed_), pa, pb, pc, source(f));
-            const double beyond = -slack / length_[at(f)];
+            const double beyond = -slack / p_.length[at(f)];
             if (sign > 0 && (deepest < 0 || beyond > depth)) deepest = f, depth = beyond;
         }
         if (sign == 0) through.push_back(f);
@@ -508,7 +506,8 @@ RowPolytope::Shape RowPolytope::wrap_exactly() {
     rays_.clear();
     faces_.assign(names_.size(), 0);
     make_blocks();
-    if (planes() > max_exact_planes || !find_start()) return Shape::unsettled;
+    if (planes() > max_exact_planes) return Shape::unsettled;
+    if (!find_start()) return planes() > max_tried_planes ? Shape::unsettled : Shape::empty;
     std::set<std::vector<int>> known;
     for (int v = 0; v < static_cast<int>(corners_.size()); ++v) {
         const std::vector<int> through = tight_[at(v)];
@@ -584,17 +583,18 @@ RowPolytope::Shape RowPolytope::find_faces() {
 void RowPolytope::measure(Measures& out, bool centroid) const {
     Vector3 origin{};  // the seed, or a corner if the seed lies outside
     for (int f = 0; f < planes(); ++f)
-        if (has_face(f) && !(d_[at(f)] > 0)) origin = corners_[0].at;
+        if (has_face(f) && !(p_.d[at(f)] > 0)) origin = corners_[0].at;
     out.areas.assign(names_.size(), 0);
     out.anchors.assign(names_.size(), -1);
     double* const areas = out.areas.data();
     int* const anchors = out.anchors.data();
     const auto place = [&](int corner) { return minus(corners_[at(corner)].at, origin); };
-    for (const Edge& edge : edges_) {
-        const Vector3 turn = cross(place(edge.from), place(edge.to));
-        areas[edge.left] += dot(turn, normal(edge.left));
-        areas[edge.right] -= dot(turn, normal(edge.right));
-        anchors[edge.left] = anchors[edge.right] = edge.from;
+    out.vectors.assign(4 * names_.size(), 0);
+    loops_.add_areas(edges_, corners_.data(), origin, out.vectors.data());
+    for (const Edge& edge : edges_) anchors[edge.left] = anchors[edge.right] = edge.from;
+    for (int f = 0; f < planes(); ++f) {
+        const double* const twice = &out.vectors[at(4 * f)];
+        areas[f] = twice[0] * p_.nx[at(f)] + twice[1] * p_.ny[at(f)] + twice[2] * p_.nz[at(f)];
     }
     if (centroid) {
         double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
@@ -613,7 +613,7 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
     out.volume = out.surface = out.error = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
-        const double inverse = 1 / length_[at(f)];
+        const double inverse = 1 / p_.length[at(f)];
         areas[f] *= 0.5 * inverse;
         out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * inverse / 3;  // corners have more digits than d
         out.surface += areas[f];
@@ -627,7 +627,7 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
     }
     out.diameter = 2 * std::sqrt(wide);
     out.reach = std::sqrt(far);
-    if (far > underflow && far < 1 / underflow) return;
+    if (far > filter_underflow && far < 1 / filter_underflow) return;
     out.reach = 0;
     for (const Corner& corner : corners_) out.reach = std::max(out.reach, length3(corner.at));
 }

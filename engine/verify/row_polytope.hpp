@@ -35,21 +35,14 @@ class RowPolytope {
 public:
     enum class Shape : std::uint8_t {
         solid,      // it has volume
-        flat,       // it has none
+        flat,       // it has none, and corners
+        empty,      // no planes meet in a corner: it is empty if planes bound it, else it has no end
         open,       // unbounded
         repeated,   // two planes bound it in one face, see repeated()
         unsettled,  // too large for exact signs, or no corner was found
     };
-    struct Corner {
-        Vector3 at;              // relative to the seed
-        double error;            // of `at`
-        double slope, constant;  // n.x - d of a plane is certain beyond slope |n| + constant |d|
-        std::array<int, 3> planes;
-    };
-    // The edge runs along cross(n of left, n of right), where these are the normals of two faces.
-    struct Edge {
-        int from, to, left, right;
-    };
+    using Corner = PlaneCorner;
+    using Edge = PlaneEdge;
     struct Name {
         std::int32_t id;
         exact::Shift shift;
@@ -58,9 +51,10 @@ public:
     struct Measures {
         double volume = 0, surface = 0, diameter = 0, reach = 0;  // reach: of the farthest corner from the seed
         Vector3 centroid{};
-        double error = 0;           // bound on the rounding of corners
-        std::vector<double> areas;  // of the faces, by plane
-        std::vector<int> anchors;   // a corner of each face
+        double error = 0;             // bound on the rounding of corners
+        std::vector<double> areas;    // of the faces, by plane
+        std::vector<int> anchors;     // a corner of each face
+        std::vector<double> vectors;  // see PlaneLoops::add_areas
     };
 
     explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}
@@ -76,6 +70,9 @@ public:
     [[nodiscard]] RoundedPlane seen(const Name& name) const;
     void add(const Name& name) { add(name, seen(name)); }
     void add(const Name& name, const RoundedPlane& plane);
+    // Adds the bisectors with these seeds, unshifted. Returns false, and adds none, where some lie at the seed's place
+    // or lengths are scaled.
+    [[nodiscard]] bool add_seeds(std::span<const std::int32_t> ids);
 
     // Takes the corners from polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1],
     // from vertices[0] on. Returns false unless sure signs show that these are the polygons of the faces, with three
@@ -102,8 +99,8 @@ public:
     }
     // Returns the outward normal of a plane, of length 1.
     [[nodiscard]] Vector3 unit_normal(int plane) const {
-        const double length = length_[at(plane)];
-        return {nx_[at(plane)] / length, ny_[at(plane)] / length, nz_[at(plane)] / length};
+        const double length = p_.length[at(plane)];
+        return {p_.nx[at(plane)] / length, p_.ny[at(plane)] / length, p_.nz[at(plane)] / length};
     }
     // The planes of Shape::repeated.
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
@@ -126,14 +123,8 @@ public:
 
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
-    [[nodiscard]] Vector3 normal(int f) const { return {nx_[at(f)], ny_[at(f)], nz_[at(f)]}; }
+    [[nodiscard]] Vector3 normal(int f) const { return {p_.nx[at(f)], p_.ny[at(f)], p_.nz[at(f)]}; }
     [[nodiscard]] const exact::Plane& source(int f);
-    [[nodiscard]] bool meet(int a, int b, int c, Corner& corner) const;
-    [[nodiscard]] bool is_sure_corner(int a, int b, int c, Corner& corner, double* slacks);
-    [[nodiscard]] bool add_sure_corner(int a, int b, int c);
-    [[nodiscard]] PlaneArrays arrays() const {
-        return {nx_.data(), ny_.data(), nz_.data(), d_.data(), length_.data(), size_.data(), d_.size()};
-    }
     [[nodiscard]] Hit first_hit(const Vector3& from, const Vector3& along, int a, int b);
     void make_blocks();
     template <class Visit>
@@ -155,10 +146,9 @@ private:
     double unit_ = 1;
     std::vector<Name> names_;
     const PlaneLoops& loops_ = plane_loops();
-    std::vector<double> nx_, ny_, nz_, d_, length_, size_;  // padded by planes that nothing touches
-    std::vector<double> distance_;                          // size / length
-    std::vector<double> slacks_;                            // of all planes, for each sure corner; infinite for its own
-    std::vector<exact::Plane> sources_;                     // made when needed
+    PlaneArrays p_;
+    std::vector<double> inverses_;       // of the distances of all planes from each sure corner, see PlaneLoops
+    std::vector<exact::Plane> sources_;  // made when needed
     std::vector<Corner> corners_;
     std::vector<Edge> edges_;
     std::vector<std::uint8_t> faces_;
@@ -173,7 +163,11 @@ private:
     };
     std::vector<Fan> fans_;
     std::vector<std::int32_t> vertices_;
-    std::vector<int> slots_, table_;       // corners by place in the polygons; by hash of their vertices
+    struct Slot {
+        std::int32_t id, corner;
+    };
+    std::vector<Slot> table_;              // by hash of a vertex; -1 is free
+    std::vector<int> slots_;               // corners by place in the polygons
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
     std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly
     std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes

@@ -33,6 +33,12 @@ public:
     }
     // Returns where the seed lies inside the domain, rounded.
     [[nodiscard]] Vector3 place(std::size_t i) const;
+    // Whether all seeds lie inside the domain.
+    [[nodiscard]] bool are_inside() const { return wrap_.empty(); }
+    // Returns the difference of weights.
+    [[nodiscard]] double power(std::size_t i, std::size_t j) const {
+        return domain_.has_weights() ? weight(i) - weight(j) : 0;
+    }
     [[nodiscard]] double weight(std::size_t i) const { return domain_.has_weights() ? domain_.weights[i] : 0; }
     // Returns how many walls the domain has. Walls are -1 to -6, then -7, -8, ...; has_wall() knows those of the box.
     [[nodiscard]] std::int32_t walls() const { return 6 + static_cast<std::int32_t>(domain_.walls.size()); }
@@ -56,7 +62,7 @@ private:
     [[nodiscard]] RoundedPlane bisector(std::size_t i, std::size_t j, const Vector3& difference) const {
         RoundedPlane r;
         r.n = difference;
-        const double square = dot(r.n, r.n), power = domain_.has_weights() ? weight(i) - weight(j) : 0;
+        const double square = dot(r.n, r.n), power = this->power(i, j);
         r.d = 0.5 * (square + power);
         r.size = 0.5 * (square + std::abs(power));
         r.length = std::sqrt(square);

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t few = 100;  // all cells of so many seeds are proven
 constexpr std::size_t proven_of_many = 16;
+constexpr std::size_t jobs_per_proof = 16;  // of a long history, whose other jobs are compared with fresh ones
 constexpr double max_seconds = 2, max_megabytes = 200;  // for few seeds
 
 double processor_seconds() {
@@ -141,6 +142,7 @@ Judgement judge(const Case& c, const std::string& device, bool measure, votess::
     Judgement judgement;
     for (std::size_t k = 0; k < c.jobs.size() && judgement.right(); ++k) {
         const Job& job = c.jobs[k];
+        ++judgement.jobs;
         const double seconds = processor_seconds(), megabytes = peak_megabytes();
         const Answer answer = ask(kept, job, device);
         const double took = processor_seconds() - seconds, more = peak_megabytes() - megabytes;
@@ -154,7 +156,8 @@ Judgement judge(const Case& c, const std::string& device, bool measure, votess::
         } else if (!answer.refusal.empty()) {
             ++judgement.refused;
         } else {
-            wrong = check_answer(answer.t, job, device, c.number);
+            if (c.jobs.size() <= jobs_per_proof || k % jobs_per_proof == c.number % jobs_per_proof)
+                wrong = check_answer(answer.t, job, device, c.number);
             judgement.cells += answer.t.size();
             judgement.fallback_cells += answer.t.stats().fallback_cells;
         }

@@ -8,6 +8,7 @@ namespace test::fuzz {
 
 struct Judgement {
     std::string failure;      // one line, "" when all answers are right
+    std::size_t jobs = 0;     // tried
     std::size_t refused = 0;  // jobs, all of which may be refused
     std::size_t cells = 0;
     std::size_t fallback_cells = 0;

@@ -8,11 +8,13 @@
 #include <memory>
 
 #include "input/settle.hpp"
+#include "result/handle.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 #include "support/scattered.hpp"
+#include "verify/certificate.hpp"
 #include "verify/row_checker.hpp"
 
 namespace {
@@ -282,6 +284,16 @@ votess::Tessellation with_error(const votess::Tessellation& t, votess::Precision
     result->stats.volume_sum *= factor;
     result->stats.precision = precision;
     return votess::Tessellation(std::move(result));
+}
+
+// Returns what the certificate alone says of rows.
+votess::Certificate::Verdict certificate_of(const votess::Tessellation& t, const ProofCase& c) {
+    votess::Settled settled = votess::settle(c.options);
+    settled.points.f64 = c.points;
+    settled.weights.given = c.weights;
+    const votess::CheckedRun run{settled, t.size(), t.stats().box_volume};
+    const votess::Job job = votess::make_job(std::move(settled));
+    return votess::Certificate(run, job, votess::detail::result_of(t), {}).prove();
 }
 
 // All seeds in one block.
@@ -978,6 +990,41 @@ TEST_SUITE("cases") {
         unnamed->duplicate_of.resize_uninitialized(0);
         CHECK(reason(votess::Tessellation(std::move(unnamed)), twice) ==
               "seed 1 is a duplicate, and the result does not say of which one");
+    }
+
+    // These are faults as well, and verify() names what is wrong by trying every seed.
+    TEST_CASE("a certificate says of which cell it finds neither a proof nor what is wrong") {
+        ProofCase c;
+        c.points = test::uniform(60, 119).points;
+        c.weights.assign(60, 0);
+        c.options = rows_only();
+        c.options.box = test::unit_box();
+        const votess::Tessellation right = c.run();
+        CHECK(certificate_of(right, c).proven);
+        // A seed that has a cell, and rows without it.
+        c.weights[5] = -100;
+        const Parts without = parts_of(c.run());
+        c.weights[5] = 0;
+        auto verdict = certificate_of(with_parts(right, without), c);
+        CHECK_FALSE(verdict.proven);
+        CHECK(verdict.fault.text == "");
+        CHECK(verdict.unsettled.text == "seed 5 has no cell, and no few others were found that exclude it");
+        CHECK_FALSE(votess::verify(with_parts(right, without), c.points).passed);
+        // A row whose planes leave nothing: few, then too many to try all that may meet in a corner.
+        for (const std::int32_t listed : {20, 50}) {
+            CAPTURE(listed);
+            ProofCase light = c;
+            light.weights[5] = -100;
+            Parts parts = parts_of(right);
+            parts.rows[5].clear();
+            for (std::int32_t id = 0; id <= listed; ++id)
+                if (id != 5) add_face(parts, 5, {id, {}});
+            const votess::Tessellation wrong = with_parts(right, parts);
+            verdict = certificate_of(wrong, light);
+            CHECK_FALSE(verdict.proven);
+            CHECK(verdict.fault.text != "");
+            CHECK(verdict.unsettled.text == (listed < 40 ? "" : "seed 5 has a cell whose corners were not all found"));
+        }
     }
 
     TEST_CASE("verify names what it skips") {

@@ -25,6 +25,7 @@ constexpr Kind kinds[] = {
     {"outside", "few seeds of these kinds, some beyond the walls, which are kept", kept_outside},
     {"jobs", "jobs of changing size and options that one Tessellator does", changing_jobs},
     {"moving", "seeds that one Tessellator follows", moving_seeds},
+    {"histories", "few seeds that one Tessellator follows for long", long_histories},
     {"many", "thousands of seeds of these kinds", many_seeds},
 };
 

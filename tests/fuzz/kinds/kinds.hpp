@@ -49,6 +49,7 @@ std::vector<Job> lattices(Random& random);
 std::vector<Job> on_spheres(Random& random);
 std::vector<Job> changing_jobs(Random& random);
 std::vector<Job> moving_seeds(Random& random);
+std::vector<Job> long_histories(Random& random);
 std::vector<Job> many_seeds(Random& random);
 std::vector<Job> kept_outside(Random& random);
 

@@ -9,7 +9,7 @@ namespace {
 
 using Base = std::vector<Job> (*)(Random& random);
 
-Job uniform_seeds(Random& random) {
+Job uniform_seeds(Random& random, std::size_t count) {
     Job job;
     Vector sides{1, 1, 1}, lower{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -17,7 +17,6 @@ Job uniform_seeds(Random& random) {
         if (random.chance(0.2)) lower[k] = random.uniform(-5, 5);
     }
     take_box(job, lower, sides, random, false);
-    const std::size_t count = 20 + random.below(random.chance(0.8) ? 200 : 1000);
     for (std::size_t i = 0; i < count; ++i) {
         Vector x;
         for (std::size_t k = 0; k < 3; ++k) x[k] = lower[k] + sides[k] * random.uniform();
@@ -26,9 +25,8 @@ Job uniform_seeds(Random& random) {
     return job;
 }
 
-Job lattice(Random& random) {
+Job lattice(Random& random, std::size_t side) {
     Job job;
-    const auto side = 2 + random.below(6);
     take_box(job, {}, {1, 1, 1}, random, false);
     for (std::uint64_t i = 0; i < side * side * side; ++i) {
         Vector x;
@@ -153,29 +151,18 @@ void change(Job& job, const Job& first, Random& random) {
             job.points[c] = std::clamp(job.points[c], job.box->lower[c % 3], job.box->upper[c % 3]);
 }
 
-}  // namespace
+void add_weights(Job& job, Random& random) {
+    const Vector sides = sides_of(job);
+    const double square = std::pow(sides[0] * sides[1] * sides[2] / static_cast<double>(job.size()), 2.0 / 3);
+    const double unit = square * decades(random, -3, random.chance(0.2) ? 1 : -0.5);
+    for (std::size_t i = 0; i < job.size(); ++i) job.weights.push_back(unit * random.uniform());
+}
 
-std::vector<Job> moving_seeds(Random& random) {
-    constexpr Base others[] = {ties,           wrapped_pairs, thin_cells,    tight_clusters, any_weights,
-                               smooth_weights, lattices,      walls_through, skewed_cells};
-    Job job;
-    const auto kind = random.below(10);
-    if (kind < 6)
-        job = uniform_seeds(random);
-    else if (kind < 8)
-        job = lattice(random);
-    else
-        job = others[random.below(std::size(others))](random)[0];
-    if (kind < 6 && random.chance(0.3)) {
-        const Vector sides = sides_of(job);
-        const double square = std::pow(sides[0] * sides[1] * sides[2] / static_cast<double>(job.size()), 2.0 / 3);
-        const double unit = square * decades(random, -3, random.chance(0.2) ? 1 : -0.5);
-        for (std::size_t i = 0; i < job.size(); ++i) job.weights.push_back(unit * random.uniform());
-    }
-    if (kind < 8 && job.box && random.chance(0.25)) tilt(job, random);
+// Returns the job and what becomes of it.
+std::vector<Job> history(Job job, std::uint64_t steps, Random& random) {
     const Job first = job;
     std::vector<Job> jobs;
-    for (auto count = 3 + random.below(8); count > 0; --count) {
+    for (; steps > 0; --steps) {
         job.follow = !random.chance(0.03);
         // Polygons are made afresh.
         constexpr unsigned no_polygons = 0xff;
@@ -188,6 +175,32 @@ std::vector<Job> moving_seeds(Random& random) {
         if (job.size() > 0) change(job, first, random);
     }
     return jobs;
+}
+
+}  // namespace
+
+std::vector<Job> moving_seeds(Random& random) {
+    constexpr Base others[] = {ties,           wrapped_pairs, thin_cells,    tight_clusters, any_weights,
+                               smooth_weights, lattices,      walls_through, skewed_cells};
+    Job job;
+    const auto kind = random.below(10);
+    if (kind < 6)
+        job = uniform_seeds(random, 20 + random.below(random.chance(0.8) ? 200 : 1000));
+    else if (kind < 8)
+        job = lattice(random, 2 + random.below(6));
+    else
+        job = others[random.below(std::size(others))](random)[0];
+    if (kind < 6 && random.chance(0.3)) add_weights(job, random);
+    if (kind < 8 && job.box && random.chance(0.25)) tilt(job, random);
+    return history(job, 3 + random.below(8), random);
+}
+
+std::vector<Job> long_histories(Random& random) {
+    const bool on_lattice = random.chance(0.25);
+    Job job = on_lattice ? lattice(random, 2 + random.below(2)) : uniform_seeds(random, 5 + random.below(56));
+    if (random.chance(0.3)) add_weights(job, random);
+    if (random.chance(0.2)) tilt(job, random);
+    return history(job, 50, random);
 }
 
 }  // namespace test::fuzz

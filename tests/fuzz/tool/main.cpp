@@ -102,7 +102,7 @@ Arguments parse(int count, char** values) {
 // Written by a worker, read by its parent.
 struct Progress {
     std::atomic<std::uint64_t> kind, number, next, cells, fallback_cells;
-    std::atomic<std::uint64_t> tried[max_kinds], refused[max_kinds], milliseconds[max_kinds];
+    std::atomic<std::uint64_t> tried[max_kinds], jobs[max_kinds], refused[max_kinds], milliseconds[max_kinds];
 };
 
 struct Worker {
@@ -197,6 +197,7 @@ private:
             Judgement judgement = judge(set, arguments_.limits.device, measure, on_cpu ? fresh : device);
             if (!wrong.empty()) judgement.failure = wrong;
             ++mine.tried[kind];
+            mine.jobs[kind] += judgement.jobs;
             mine.refused[kind] += judgement.refused;
             mine.cells += judgement.cells;
             mine.fallback_cells += judgement.fallback_cells;
@@ -270,18 +271,18 @@ private:
 
     int summarize() {
         std::uint64_t all = 0;
-        std::printf("%-10s %12s %10s %8s\n", "kind", "sets tried", "refused", "found");
+        std::printf("%-10s %12s %10s %10s %8s\n", "kind", "sets tried", "runs", "refused", "found");
         for (std::size_t k = 0; k < arguments_.kinds.size(); ++k) {
-            std::uint64_t tried = 0, refused = 0;
+            std::uint64_t tried = 0, jobs = 0, refused = 0;
             int found = 0;
             for (std::size_t w = 0; w < workers_.size(); ++w)
-                tried += progress_[w].tried[k], refused += progress_[w].refused[k];
+                tried += progress_[w].tried[k], jobs += progress_[w].jobs[k], refused += progress_[w].refused[k];
             const std::string name(arguments_.kinds[k]->name);
             for (const auto& [sort, times] : found_)
                 if (sort.starts_with(name + ' ')) found += times;
             all += tried;
-            std::printf("%-10s %12llu %10llu %8d\n", name.c_str(), static_cast<unsigned long long>(tried),
-                        static_cast<unsigned long long>(refused), found);
+            std::printf("%-10s %12llu %10llu %10llu %8d\n", name.c_str(), static_cast<unsigned long long>(tried),
+                        static_cast<unsigned long long>(jobs), static_cast<unsigned long long>(refused), found);
         }
         for (const auto& [sort, times] : found_) std::printf("found %d times: %s\n", times, sort.c_str());
         std::printf("fuzz: %llu sets tried by %u processes, findings in %s\n", static_cast<unsigned long long>(all),
