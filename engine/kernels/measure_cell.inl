@@ -349,7 +349,8 @@ class CellMeter {
         if (!(center.moved < std::numeric_limits<double>::infinity())) center = {};
     }
 
-    // Fills h and the feet of the planes, and h of the shape. Returns false if a plane is too near for products of six.
+    // Fills h and the feet of the planes, and h of the shape. Clears q. Returns false if a plane is too near for
+    // products of six.
     template <bool Weighted>
     static bool read_planes(CellShape& shape, Center& center, Sums& sums) {
         constexpr double smallest_square = 1e-90;
@@ -374,8 +375,10 @@ class CellMeter {
             }
             for (int k = 0; k < 4; ++k) plane[k].power = h[k];
             lanes(&sums.h[p]) = h;
+            lanes(&sums.q[p]) = Lanes{};
             if constexpr (Weighted) lanes(&sums.foot[p]) = h / square;
         }
+        lanes(&sums.q[CellShape::max_planes]) = Lanes{};
         lanes(&sums.foot[CellShape::max_planes]) = Lanes{};
         center.further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
         return smallest(least) > smallest_square;
@@ -385,19 +388,26 @@ class CellMeter {
     template <bool Weighted>
     static bool sum_corners(CellShape& shape, const CornerOrder& order, const Center& center, double worst, Sums& sums,
                             CellMeasures& out) {
-        constexpr double smallest_volume = 1e-140;  // no product of six leaves the range
-        for (int p = 0; p < shape.planes; p += 4) lanes(&sums.q[p]) = Lanes{};
-        lanes(&sums.q[CellShape::max_planes]) = Lanes{};
-        Totals sure;
+        Totals totals;
         std::array<std::uint8_t, CellShape::max_corners / 4> doubtful;  // groups of four
         int doubts = 0;
         for (int i = 0; i < shape.corners; i += 4)
-            if (!add_corners<Weighted, false>(shape, order, i, center, worst, sums, sure))
+            if (!add_corners<Weighted, false>(shape, order, i, center, worst, sums, totals))
                 doubtful[doubts++] = static_cast<std::uint8_t>(i / 4);
-        Totals totals = sure;
+        if (doubts == 0) return sum_planes<Weighted>(shape, order, center, worst, sums, totals, out);
+        // In memory, while those above are in registers.
+        Totals with_doubtful = totals;
         for (int k = 0; k < doubts; ++k)
-            add_doubtful<Weighted>(shape, order, 4 * doubtful[k], center, worst, sums, totals);
+            add_doubtful<Weighted>(shape, order, 4 * doubtful[k], center, worst, sums, with_doubtful);
+        return sum_planes<Weighted>(shape, order, center, worst, sums, with_doubtful, out);
+    }
 
+    // Sums over planes, when the corners are summed.
+    template <bool Weighted>
+    [[gnu::always_inline]] static bool sum_planes(CellShape& shape, const CornerOrder& order,
+                                                  const Center& center, double worst, Sums& sums, const Totals& totals,
+                                                  CellMeasures& out) {
+        constexpr double smallest_volume = 1e-140;  // no product of six leaves the range
         Lanes volumes{}, moment{};
         for (int p = 0; p < shape.planes; p += 4) {
             const Lanes h = lanes(&sums.h[p]), q = lanes(&sums.q[p]);
@@ -433,8 +443,11 @@ class CellMeter {
         if (!read_planes<Weighted>(shape, center, sums)) return false;
         CornerOrder order;
         Isa::order_corners(shape, order);
-        return sum_corners<Weighted>(shape, order, center, worst_condition2, sums, out) ||
-               sum_corners<Weighted>(shape, order, center, careful_condition2, sums, out);
+        for (const double worst : {worst_condition2, careful_condition2}) {
+            if (sum_corners<Weighted>(shape, order, center, worst, sums, out)) return true;
+            sums.q.fill(0);
+        }
+        return false;
     }
 
 public:

@@ -65,10 +65,11 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span
     tally_.begin(4 * dot(diagonal, diagonal));
     near_rows_.clear();
     entries_ = 0;
+    shifts_.clear();
+    listed_rows_ = 0;
     // As long as in an earlier job.
     if (want_.areas) areas_.resize_uninitialized(room_);
     if (want_.normals) normals_.resize_uninitialized(3 * room_);
-    if (periodic_) shifts_.resize_uninitialized(3 * room_);
     lengths_.clear();
     polygon_writer_.clear();
 }
@@ -328,7 +329,6 @@ void CellWriter::grow(std::size_t entries) {
     room_ = std::max(initial_room, 2 * entries);
     if (want_.areas) grow_to(areas_, entries_, room_);
     if (want_.normals) grow_to(normals_, 3 * entries_, 3 * room_);
-    if (periodic_) grow_to(shifts_, 3 * entries_, 3 * room_);
 }
 
 exact::Shift CellWriter::shift_of(std::size_t face) const {
@@ -415,13 +415,13 @@ void CellWriter::write_row() {
         for_listed([&](std::size_t f, std::size_t entry) {
             std::ranges::copy(face_normals_[f], normals_.data() + 3 * entry);
         });
-    if (periodic_) {
-        std::int8_t* shifts = shifts_.data();
-        if (shifted_)
-            for_listed([&](std::size_t f, std::size_t entry) { narrow(shift_of(f), shifts + 3 * entry); });
-        else
-            std::memset(shifts + 3 * begin, 0, 3 * count);
-    }
+    if (shifted_)
+        for_listed([&](std::size_t f, std::size_t entry) {
+            RowShift kept{listed_rows_, static_cast<std::uint32_t>(entry - begin), {}};
+            narrow(shift_of(f), kept.shift.data());
+            if (kept.shift != std::array<std::int8_t, 3>{}) shifts_.push_back(kept);
+        });
+    listed_rows_ += count > 0 ? 1 : 0;
     entries_ += count;
     lengths_.push_back(static_cast<std::uint32_t>(count));
 }
@@ -444,11 +444,9 @@ void CellWriter::write_steps() {
         for (std::size_t f = 0; f < faces; ++f) {
             const auto by = static_cast<std::uint32_t>(ids[f] - place);
             bits |= (by + NearRows::longest_step) | (by + NearRows::longest_step + 1);
+            row[ranks[f]] = static_cast<std::int16_t>(by);
         }
-        if (bits >> 16 == 0) {
-            for (std::size_t f = 0; f < faces; ++f) row[ranks[f]] = static_cast<std::int16_t>(ids[f] - place);
-            return;
-        }
+        if (bits >> 16 == 0) return;
     }
     order_.resize(faces);
     for (std::size_t f = 0; f < faces; ++f) order_[ranks_[f]] = static_cast<std::uint32_t>(f);
@@ -478,9 +476,11 @@ void CellWriter::end_rows(std::span<const std::int32_t> cells) {
         return std::span(values.data(), wanted ? each * entries_ : 0);
     };
     out_->add_rows(cells, lengths_, near_rows_.rows(seeds_.input.data()),
-                   {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), of(shifts_, periodic_, 3)});
+                   {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), {}}, shifts_);
     near_rows_.clear();
     entries_ = 0;
+    shifts_.clear();
+    listed_rows_ = 0;
     lengths_.clear();
 }
 

@@ -140,7 +140,8 @@ private:
     NearWriter near_rows_;
     std::size_t entries_ = 0, room_ = 0;  // of the rows; arrays below have room for so many
     Buffer<double> areas_, normals_;
-    Buffer<std::int8_t> shifts_;
+    std::vector<RowShift> shifts_;
+    std::uint32_t listed_rows_ = 0;  // rows that have entries
     std::vector<std::uint32_t> lengths_;
     PolygonWriter polygon_writer_;
     KeptCells* kept_ = nullptr;

@@ -153,29 +153,29 @@ void ResultBuilder::touch_entries(std::size_t end, ThreadPool& pool) {
 void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                              std::span<const std::int32_t> ids, const RowValues& values) {
     if (!want_neighbors_) return;
-    check_values(values, ids.size());
+    check_values(values, ids.size(), want_shifts_);
     // Otherwise a row from another call would count as one of this block.
     const bool gaps = set_lengths(cells, lengths, ids.size());
     push(cells, lengths, {.ids = keep_copy(ids, ids_memory_)}, values, gaps);
 }
 
 void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                             const NearRows& near, const RowValues& values) {
+                             const NearRows& near, const RowValues& values, std::span<const RowShift> shifts) {
     if (!want_neighbors_) return;
     const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
     if (near.steps.size() < rows) bug("rows and their lengths differ in size");
     const std::size_t entries = near.steps.size() - rows;
-    check_values(values, entries);
+    check_values(values, entries, false);
     const bool gaps = set_lengths(cells, lengths, entries);
     const NearRows kept{keep_copy(near.steps, ids_memory_), keep_copy(near.others, ids_memory_), near.input};
-    push(cells, lengths, {.near = kept}, values, gaps);
+    push(cells, lengths, {.near = kept, .shifts = keep_copy(shifts, shifts_memory_)}, values, gaps);
 }
 
 void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                               std::span<const std::int32_t> ids, const RowValues& values) {
     if (!want_neighbors_) return;
     if (sum_of(lengths) != ids.size()) bug("rows and their lengths differ in size");
-    check_values(values, ids.size());
+    check_values(values, ids.size(), want_shifts_);
     for (std::size_t begin = 0, entry = 0; begin < cells.size(); begin += copied_block) {
         const auto part = cells.subspan(begin, std::min(copied_block, cells.size() - begin));
         const auto part_lengths = lengths.subspan(begin, part.size());
@@ -208,10 +208,10 @@ void ResultBuilder::count(const FaceTally& faces) {
     faces_.add(faces);
 }
 
-void ResultBuilder::check_values(const RowValues& values, std::size_t ids) const {
+void ResultBuilder::check_values(const RowValues& values, std::size_t ids, bool shifts) const {
     if (want_areas_ && values.areas.size() != ids) bug("rows and their areas differ in size");
     if (want_normals_ && values.normals.size() != 3 * ids) bug("rows and their normals differ in size");
-    if (want_shifts_ && values.shifts.size() != 3 * ids) bug("rows and their shifts differ in size");
+    if (shifts && values.shifts.size() != 3 * ids) bug("rows and their shifts differ in size");
 }
 
 // The checks keep an engine's bug from writing beyond the arrays in place_rows().
@@ -247,9 +247,9 @@ std::span<const T> ResultBuilder::keep_copy(std::span<const T> values, Arena& me
 }
 
 // Few rows lie across an edge of the box, so most shifts are 0.
-std::span<const ResultBuilder::KeptShift> ResultBuilder::keep_shifts(std::span<const std::uint32_t> lengths,
-                                                                     std::span<const std::int8_t> shifts) {
-    std::vector<KeptShift> kept;
+std::span<const RowShift> ResultBuilder::keep_shifts(std::span<const std::uint32_t> lengths,
+                                                     std::span<const std::int8_t> shifts) {
+    std::vector<RowShift> kept;
     const std::int8_t* of_row = shifts.data();
     std::uint32_t row = 0;
     for (const std::uint32_t length : lengths) {
@@ -263,7 +263,7 @@ std::span<const ResultBuilder::KeptShift> ResultBuilder::keep_shifts(std::span<c
         of_row += std::size_t{3} * length;
         ++row;
     }
-    return keep_copy(std::span<const KeptShift>(kept), shifts_memory_);
+    return keep_copy(std::span<const RowShift>(kept), shifts_memory_);
 }
 
 void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, Block block,
@@ -271,7 +271,7 @@ void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const st
     if (block.ids.empty() && block.near.steps.empty()) return;
     if (want_areas_) block.areas = keep_copy(values.areas, areas_memory_);
     if (want_normals_) block.normals = keep_copy(values.normals, normals_memory_);
-    if (want_shifts_) block.shifts = keep_shifts(lengths, values.shifts);
+    if (want_shifts_ && !values.shifts.empty()) block.shifts = keep_shifts(lengths, values.shifts);
     block.cells = cells;
     if (copy_cells) {
         const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
@@ -389,8 +389,11 @@ void ResultBuilder::place_shifts(ThreadPool& pool) {
     });
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
         const Block& block = blocks_[index];
-        for (const KeptShift& kept : block.shifts) {
-            const std::int64_t entry = result_.indptr[static_cast<std::size_t>(block.cells[kept.row])] + kept.entry;
+        for (const RowShift& kept : block.shifts) {
+            if (kept.row >= block.cells.size()) bug("a shift is of no row");
+            const auto cell = static_cast<std::size_t>(block.cells[kept.row]);
+            const std::int64_t entry = result_.indptr[cell] + kept.entry;
+            if (entry >= result_.indptr[cell + 1]) bug("a shift is of no entry of its row");
             std::ranges::copy(kept.shift, shifts.data() + 3 * entry);
         }
     });
@@ -420,7 +423,7 @@ void ResultBuilder::sum_lengths(std::span<const std::uint32_t> later, ThreadPool
 
 void ResultBuilder::place_rows(std::size_t first, std::span<const std::uint32_t> lengths,
                                std::span<const std::int32_t> ids, const RowValues& values) {
-    check_values(values, ids.size());
+    check_values(values, ids.size(), want_shifts_);
     const std::int64_t* const indptr = result_.indptr.data() + first;
     if (!settled_ || first + lengths.size() >= result_.indptr.size())
         bug("rows are placed before settle(), or beyond the last cell");

@@ -33,6 +33,12 @@ struct RowValues {
     std::span<const std::int8_t> shifts;
 };
 
+// A shift that is not 0.
+struct RowShift {
+    std::uint32_t row, entry;  // among the rows that have entries, and in that row
+    std::array<std::int8_t, 3> shift;
+};
+
 class ResultBuilder {
 public:
     // Sizes the arrays that the job requests, in the memory of job.arrays if any. Sets every cell to certified with an
@@ -58,9 +64,10 @@ public:
     // requested.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                   std::span<const std::int32_t> ids, const RowValues& values = {});
-    // The same for `near`, which has no rows of length 0. near.input must stay valid until finish() too.
+    // The same for `near`, which has no rows of length 0. near.input must stay valid until finish() too. shifts: those
+    // that are not 0, instead of values.shifts.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, const NearRows& near,
-                  const RowValues& values = {});
+                  const RowValues& values = {}, std::span<const RowShift> shifts = {});
     // Copies `cells` too, and cuts into blocks. From any thread.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                    std::span<const std::int32_t> ids, const RowValues& values = {});
@@ -92,28 +99,24 @@ public:
     void finish(detail::Result& result, ThreadPool& pool);
 
 private:
-    struct KeptShift {             // one that is not 0
-        std::uint32_t row, entry;  // of the block, of the row
-        std::array<std::int8_t, 3> shift;
-    };
     struct Block {
         std::span<const std::int32_t> cells{};  // those that have a row here
         std::span<const std::int32_t> ids{};    // or `near`
         NearRows near{};
         std::span<const double> areas{}, normals{};
-        std::span<const KeptShift> shifts{};
+        std::span<const RowShift> shifts{};
     };
 
-    void check_values(const RowValues& values, std::size_t ids) const;
+    void check_values(const RowValues& values, std::size_t ids, bool shifts) const;
     // Stores the lengths. Returns whether some are 0.
     bool set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);
-    // block: its ids, copied; push() copies the rest.
+    // block: its ids, copied, and its shifts unless they are among the values; push() copies the rest.
     void push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, Block block,
               const RowValues& values, bool copy_cells);
     template <class T>
     [[nodiscard]] std::span<const T> keep_copy(std::span<const T> values, Arena& memory);
-    [[nodiscard]] std::span<const KeptShift> keep_shifts(std::span<const std::uint32_t> lengths,
-                                                         std::span<const std::int8_t> shifts);
+    [[nodiscard]] std::span<const RowShift> keep_shifts(std::span<const std::uint32_t> lengths,
+                                                        std::span<const std::int8_t> shifts);
     void check_status(ThreadPool& pool) const;
     // Sizes the arrays of rows.
     void resize_entries(std::size_t entries);

@@ -133,7 +133,7 @@ private:
         known.vertex = vertex;
     }
     // Cells that are not of the stretch share a place behind it.
-    [[nodiscard]] std::size_t place_of(std::int32_t cell) const {
+    [[nodiscard, gnu::always_inline]] std::size_t place_of(std::int32_t cell) const {
         return std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
     }
     void note_power(std::int32_t cell, double power) {

@@ -52,7 +52,7 @@ private:
     static constexpr std::uint32_t no_group = ~0u;
     static constexpr int max_batch = 4;  // blocks tested at once
     static constexpr int max_found = max_batch * box_fan;
-    static constexpr std::int16_t no_slot = -1;
+    static constexpr std::uint16_t no_slot = std::numeric_limits<std::uint16_t>::max();  // above all slots
     static constexpr std::int32_t no_plane = std::numeric_limits<std::int32_t>::min();
 
     // Aligned as the compiler expects: Clang forgets a smaller alignment in parameters of templates.
@@ -413,7 +413,7 @@ private:
     alignas(64) std::array<Four, max_planes> n_{};
     std::array<double, max_planes> h_{}, square_{};
     std::array<Facing, max_planes> facing_{};
-    std::vector<std::int16_t> slot_;  // by local id
+    std::vector<std::uint16_t> slot_;  // by local id
 
     std::vector<std::int32_t> tied_;  // ids of the planes through the examined vertex
     std::vector<std::int32_t> tied_cells_;

@@ -736,13 +736,13 @@ bool StarWalk<Isa>::add_along(const Line& line, const OpenEdge& edge) {
 // planes: planes_, in a register if possible. Without a branch, which would be mispredicted.
 template <class Isa>
 int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
-    static_assert(no_slot == -1);
-    const int known = slot_[static_cast<std::size_t>(local)], is_new = known >> 15;  // -1 or 0
-    const int slot = (planes & is_new) | (known & ~is_new);
-    slot_[static_cast<std::size_t>(local)] = static_cast<std::int16_t>(slot);
+    const unsigned known = slot_[static_cast<std::size_t>(local)], next = static_cast<unsigned>(planes);
+    const bool is_new = known >= next;
+    const unsigned slot = is_new ? next : known;
+    slot_[static_cast<std::size_t>(local)] = static_cast<std::uint16_t>(slot);
     local_[static_cast<std::size_t>(planes)] = local;
-    planes -= is_new;
-    return slot;
+    planes = static_cast<int>(next + is_new);
+    return static_cast<int>(slot);
 }
 
 // Sets the edges a -> b, b -> c, c -> a of a vertex.
