@@ -73,7 +73,7 @@ void CellOnSurface::find_nearest(std::span<const std::size_t> own) {
             places_.push_back(along(along(base, a, parts_.weights[c][0]), b, parts_.weights[c][1]));
         for (std::size_t i = 1; i + 1 < places_.size(); ++i) {
             const Vector3 place = nearest_on_triangle(centroid, places_[0], places_[i], places_[i + 1]);
-            if (const double d = distance(place, centroid); d < least) least = d, nearest = place;
+            if (const double square = square_distance(place, centroid); square < least) least = square, nearest = place;
         }
     }
 }

@@ -19,6 +19,11 @@ inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();  // of p
     return length3(d[0], d[1], d[2]);
 }
 
+[[nodiscard]] inline double square_distance(const Vector3& a, const Vector3& b) {
+    const Vector3 d = minus(a, b);
+    return dot(d, d);
+}
+
 // Returns the place of the segment from a to b nearest to x.
 [[nodiscard]] inline Vector3 nearest_on_segment(const Vector3& x, const Vector3& a, const Vector3& b) {
     const Vector3 way = minus(b, a);
@@ -39,8 +44,9 @@ inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();  // of p
         if (is_inside(a, b) && is_inside(b, c) && is_inside(c, a)) return foot;
     }
     Vector3 best = nearest_on_segment(x, a, b);
+    double least = square_distance(best, x);
     for (const Vector3& place : {nearest_on_segment(x, b, c), nearest_on_segment(x, c, a)})
-        if (distance(place, x) < distance(best, x)) best = place;
+        if (const double square = square_distance(place, x); square < least) least = square, best = place;
     return best;
 }
 

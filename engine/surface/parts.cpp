@@ -163,6 +163,7 @@ private:
         std::vector<std::vector<Large>> large(small_);
         pool_.run_stage(small_, [&](std::size_t index, unsigned worker) {
             const std::size_t end = std::min(order.size(), (index + 1) * triangles_per_task);
+            workers_[worker]->cells.restart();
             for (std::size_t k = index * triangles_per_task; k < end; ++k)
                 clip_all(order[k], *workers_[worker], chunks_[index], large[index]);
         });

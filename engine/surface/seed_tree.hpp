@@ -61,16 +61,17 @@ public:
         }
     }
     // Calls visit(number) for all seeds whose distance from a box has a square of at most reach, those near its center
-    // early. visit() may lower reach.
-    template <class Visit>
+    // early. visit() may lower reach. Passes over boxes with skip(node).
+    template <class Skip, class Visit>
     void visit_around(const exact::Point& lower, const exact::Point& upper, const exact::Point& center,
-                      const double& reach, Visit visit) const {
+                      const double& reach, Skip skip, Visit visit) const {
         std::array<std::pair<std::uint32_t, double>, max_depth> pending;
         pending[0] = {0, 0};
         for (std::size_t count = 1; count > 0;) {
             const auto [at, square] = pending[--count];
             if (square > reach) continue;
             const Node& node = nodes_[at];
+            if (skip(node)) continue;
             if (node.child == 0) {
                 for (std::uint32_t k = node.begin; k < node.end; ++k)
                     if (square_between(places_[k], places_[k], lower, upper) <= reach) visit(k);

@@ -42,10 +42,13 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
     seeds_.clear();
     is_sure_ = true;
     reach_ = infinity;
-    surface_.tree().visit_around(lower_, upper_, center_, reach_, [&](std::uint32_t number) {
+    const std::uint32_t first = hint_;
+    if (first != none) begin(first);
+    const auto skip = [&](const SeedTree::Node& node) { return is_beyond_balls(node); };
+    surface_.tree().visit_around(lower_, upper_, center_, reach_, skip, [&](std::uint32_t number) {
         if (seeds_.empty())
             begin(number);
-        else
+        else if (number != first)
             add(number);
     });
     if (!is_sure_) return false;
@@ -60,6 +63,7 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
         parts_.push_back(corner_of_site_[site]);
         sites_.push_back(site);
     }
+    hint_ = seeds_[sites_[0] - edges].number;
     return true;
 }
 
@@ -188,6 +192,24 @@ void TriangleCells::find_reach() {
     const double radius =
         std::sqrt(largest + 2 * value_errors * max_value_error_) * (1 + 0x1p-40) + 4 * max_error_ * length_;
     reach_ = radius * radius * (1 + 0x1p-40);
+}
+
+// Returns whether no seed in a box cuts, if the box is small beside the distance of corners: none of the balls around
+// them through their seeds meets it. For larger boxes that is rare.
+bool TriangleCells::is_beyond_balls(const SeedTree::Node& node) const {
+    const Vector3 size = minus(node.upper, node.lower);
+    if (seeds_.empty() || 16 * dot(size, size) > reach_) return false;
+    const Vector3 lower = minus(node.lower, center_), upper = minus(node.upper, center_);
+    for (std::size_t c = 0; c < count_; ++c) {
+        Vector3 x;
+        for (std::size_t k = 0; k < 3; ++k) x[k] = first_[k] + (u_[c] * way_[0][k] + v_[c] * way_[1][k]);
+        // (a + b)^2 is at most a^2 (1 + d) + b^2 (1 + 1 / d).
+        const double error = 4 * (error_[c] + 4 * unit) * length_;
+        const double square =
+            (square_[c] + 2 * value_errors * max_value_error_) * (1 + 0x1p-40) + 0x1p41 * error * error;
+        if (SeedTree::square_between(lower, upper, x, x) <= square) return false;
+    }
+    return true;
 }
 
 // Places a corner of the cell of a site, which the others follow as the triangle turns.

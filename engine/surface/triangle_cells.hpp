@@ -24,7 +24,10 @@ class TriangleCells {
 public:
     explicit TriangleCells(const Surface& surface);
 
-    // Returns whether it found all parts. exact: rounds corners whose bounds are large.
+    // Begins with any triangle: what follows depends on none before.
+    void restart() { hint_ = none; }
+    // Returns whether it found all parts, sooner if the last triangle is near. exact: rounds corners whose bounds are
+    // large.
     [[nodiscard]] bool make(std::int32_t triangle, ClippedTriangle& exact);
     [[nodiscard]] std::size_t parts() const { return parts_.size(); }
     // Selects a part, for what follows.
@@ -68,6 +71,7 @@ private:
     void join(Site site);
     void remove_rest(std::size_t used);
     void find_reach();
+    [[nodiscard]] bool is_beyond_balls(const SeedTree::Node& node) const;
     void set_corner(std::uint32_t corner, Site site, Site from, Site to);
     void set_weights(std::uint32_t corner, double u, double v, double error);
     void settle(std::int32_t triangle, ClippedTriangle& exact);
@@ -91,6 +95,7 @@ private:
     double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;       // of all so far
     double reach_ = 0;  // square of the distance up to which seeds may cut
     bool is_sure_ = true;
+    std::uint32_t hint_ = none;         // a seed of the last triangle
     std::vector<std::uint32_t> parts_;  // a corner of each
     std::vector<Site> sites_;           // of these
     std::array<std::uint32_t, max_seeds + edges> corner_of_site_;
