@@ -143,11 +143,13 @@ Weighted Newton::revived(Weighted next, const Tessellation& before, const Vector
         if (small == 0 || small > max_small) break;
         max_small = static_cast<Eigen::Index>(left * static_cast<double>(small));
         Vector weights = std::move(next.weights);
+        const double mean = weights.mean();
         const std::span<const double> centroids =
             problem_.density ? next.masses.centroids : next.tessellation.centroids();
         revive({problem_.places, problem_.edges, problem_.targets, before, next.tessellation, next.volumes, centroids,
                 least, problem_.dimensions},
                attempt, weights);
+        weights.array() += mean - weights.mean();
         next = tessellate(std::move(weights));
     }
     return next;
@@ -177,7 +179,9 @@ void Newton::start_from_fewer() {
     out_.seconds.solve += part_out.seconds.solve;
     const Weighted& few = part.now();
     if (!(few.volumes.minCoeff() > 0)) return;
-    Weighted next = revived(tessellate(spread(problem_, few)), now_.tessellation, dying * problem_.targets,
+    Vector weights = spread(problem_, few);
+    weights.array() += now_.weights.mean() - weights.mean();
+    Weighted next = revived(tessellate(std::move(weights)), now_.tessellation, dying * problem_.targets,
                             max_first_revivals, first_left_small, 1);
     if (distance_between(next.volumes, problem_.targets) < distance_between(now_.volumes, problem_.targets))
         now_ = std::move(next);

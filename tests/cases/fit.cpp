@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 #include <votess/fit.hpp>
@@ -117,6 +118,8 @@ TEST_SUITE("cases") {
                 }();
                 CHECK(fit.steps <= 8);
                 CHECK(largest_error(fit.tessellation.volumes(), targets) < 1.001e-6);
+                const double sum = std::accumulate(fit.weights.begin(), fit.weights.end(), 0.0);
+                CHECK(std::abs(sum) < 1e-12 * static_cast<double>(count));
             }
     }
 
