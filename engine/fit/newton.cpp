@@ -28,7 +28,7 @@ constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_fille
 constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
 
 // A first step shorter than this, of so many seeds, is worth a fit of fewer seeds.
-constexpr double hard_share = 0.5;
+constexpr double hard_share = 0.15;
 constexpr Eigen::Index min_seeds = 256;
 constexpr double part_tolerance = 0.1;
 
@@ -132,21 +132,24 @@ std::vector<double> Newton::areas() const {
 
 Weighted Newton::trial(const Vector& step) {
     const Vector least = dying * now_.volumes.cwiseMin(problem_.targets);
-    return revived(tessellate(now_.weights + step), now_.tessellation, least, max_revivals, left_small);
+    return revived(tessellate(now_.weights + step), now_.tessellation, least, max_revivals, left_small, max_dying);
 }
 
-Weighted Newton::revived(Weighted next, const Tessellation& before, const Vector& least, int attempts, double left) {
-    Eigen::Index max_small = static_cast<Eigen::Index>(max_dying * static_cast<double>(least.size()));
+Weighted Newton::revived(Weighted next, const Tessellation& before, const Vector& least, int attempts, double left,
+                         double most) {
+    Eigen::Index max_small = static_cast<Eigen::Index>(most * static_cast<double>(least.size()));
     for (int attempt = 0; attempt < attempts; ++attempt) {
         const Eigen::Index small = (next.volumes.array() < least.array()).count();
         if (small == 0 || small > max_small) break;
         max_small = static_cast<Eigen::Index>(left * static_cast<double>(small));
         Vector weights = std::move(next.weights);
+        const double mean = weights.mean();
         const std::span<const double> centroids =
             problem_.density ? next.masses.centroids : next.tessellation.centroids();
         revive({problem_.places, problem_.edges, problem_.targets, before, next.tessellation, next.volumes, centroids,
                 least, problem_.dimensions},
                attempt, weights);
+        weights.array() += mean - weights.mean();
         next = tessellate(std::move(weights));
     }
     return next;
@@ -176,8 +179,10 @@ void Newton::start_from_fewer() {
     out_.seconds.solve += part_out.seconds.solve;
     const Weighted& few = part.now();
     if (!(few.volumes.minCoeff() > 0)) return;
-    Weighted next = revived(tessellate(spread(problem_, few)), now_.tessellation, dying * problem_.targets,
-                            max_first_revivals, first_left_small);
+    Vector weights = spread(problem_, few);
+    weights.array() += now_.weights.mean() - weights.mean();
+    Weighted next = revived(tessellate(std::move(weights)), now_.tessellation, dying * problem_.targets,
+                            max_first_revivals, first_left_small, 1);
     if (distance_between(next.volumes, problem_.targets) < distance_between(now_.volumes, problem_.targets))
         now_ = std::move(next);
 }
@@ -238,7 +243,7 @@ bool Newton::run(Vector weights) {
         Weighted even = tessellate(problem_.start, other);
         if (problem_.density) {
             now_ = revived(std::move(now_), even.tessellation, dying * problem_.targets, max_first_revivals,
-                           first_left_small);
+                           first_left_small, max_dying);
             const auto empty = static_cast<double>((now_.volumes.array() <= 0).count());
             if (empty > 0) lift_ = empty > max_dying * static_cast<double>(now_.volumes.size()) ? full_lift : some_lift;
             measure(now_);

@@ -79,9 +79,9 @@ private:
     // Returns the diagram after a step.
     [[nodiscard]] Weighted trial(const Vector& step);
     // Returns a diagram with small cells revived as far as that is possible. before: with cells of all seeds. Each
-    // attempt has to leave fewer of them than this share.
+    // attempt has to leave fewer of them than this share. most: the share of cells that may be small at first.
     [[nodiscard]] Weighted revived(Weighted next, const Tessellation& before, const Vector& least, int attempts,
-                                   double left);
+                                   double left, double most);
     [[nodiscard]] Vector goal() const;
     [[nodiscard]] Vector step_to(const Vector& goal);
     // Takes the longest step that empties no cell and comes nearer. Returns false if no step does.

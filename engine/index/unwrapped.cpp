@@ -14,8 +14,9 @@
 namespace votess::cpu {
 namespace {
 
-constexpr double relative_cell = 0.6;  // of the mean distance of seeds
-constexpr std::size_t least_gain = 2;  // factor of pairs of cells that are parted
+constexpr double relative_cell = 0.6;         // of the mean distance of seeds; uniform ones are connected then
+constexpr double least_connected = 1.0 / 16;  // of the pairs of seeds
+constexpr std::size_t least_gain = 2;         // factor of pairs of cells that are parted
 
 // A grid over the domain, or over the part of it that seeds fill, of a few cells for each seed.
 class PeriodicGrid {
@@ -28,13 +29,17 @@ public:
             for (std::size_t j = 0; j < 3; ++j)
                 lower[j] = std::min(lower[j], f[j]), upper[j] = std::max(upper[j], f[j]);
         });
-        exact::Point sides;
+        exact::Point sides;  // along x, y and z, since fractions of far ends are rounded
         for (std::size_t j = 0; j < 3; ++j) {
-            sides[j] = std::max(0.0, upper[j] - lower[j]) * domain.reduced.width[j];
+            const Buffer<double>& axis = j == 0 ? seeds.x : j == 1 ? seeds.y : seeds.z;
+            const auto [least, most] = std::minmax_element(axis.begin(), axis.begin() + seeds.size());
+            sides[j] = *most - *least;
             if (domain.periodic[j]) lower[j] = 0, upper[j] = 1;
             lower_[j] = lower[j];
         }
-        const double spacing = relative_cell * mean_spacing(sides, static_cast<double>(seeds.size()));
+        const double distance = mean_spacing(sides, static_cast<double>(seeds.size()));
+        is_sheet_ = std::ranges::any_of(sides, [&](double side) { return side < distance; });
+        const double spacing = relative_cell * distance;
         for (std::size_t j = 0; j < 3; ++j) {
             const double side = std::max(0.0, upper[j] - lower[j]),
                          most = std::min(static_cast<double>(seeds.size()), 0x1p20);
@@ -67,6 +72,7 @@ public:
     using Steps = std::array<std::int32_t, 3>;
     // Joins neighboring cells, those first whose seeds are nearest to each other.
     bool unwrap() {
+        if (is_sheet_) return false;
         struct Pair {
             double distance;
             std::int32_t from, to;
@@ -95,7 +101,13 @@ public:
                 steps_[static_cast<std::size_t>(b)][j] = steps_[static_cast<std::size_t>(pair.from)][j] +
                                                          pair.across[j] - steps_[static_cast<std::size_t>(pair.to)][j];
         }
-        for (std::size_t c = 0; c < count_.size(); ++c) root_of(static_cast<std::int32_t>(c));
+        std::vector<double> sizes(count_.size());  // of what is connected, by root
+        for (std::size_t c = 0; c < count_.size(); ++c)
+            sizes[static_cast<std::size_t>(root_of(static_cast<std::int32_t>(c)))] += count_[c];
+        double connected = 0;
+        for (const double size : sizes) connected += size * size;
+        const auto seeds = static_cast<double>(cell_of_.size());
+        if (!(connected >= least_connected * seeds * seeds)) return false;
         std::size_t parted = 0, parted_before = 0;
         for (const Pair& pair : pairs) {
             Steps apart;
@@ -169,6 +181,7 @@ private:
     }
 
     const Domain& domain_;
+    bool is_sheet_ = false;  // whose seeds are not connected in such cells
     exact::Point lower_{}, per_side_{};
     std::array<std::int64_t, 3> size_{};
     std::vector<std::int32_t> cell_of_;  // by seed

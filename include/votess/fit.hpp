@@ -6,10 +6,11 @@
 // Method: Newton steps (Kitagawa, Mérigot, Thibert: Convergence of a Newton algorithm for semi-discrete optimal
 // transport, J. Eur. Math. Soc. 21, 2019) for the cube roots of volumes, which are nearer to linear in the weights. The
 // derivative of a volume by a neighbor's weight is -area / (2 distance). Far from the targets a step goes part of the
-// way on a logarithmic scale, and the cells that it leaves empty are revived. In the plane volumes are areas.
-// The weights are those of optimal transport from the domain to the seeds, unique up to a constant. With a density, as
-// an image, volumes are masses. Far from the targets the density is raised evenly, and sinks from step to step, so that
-// cells in the dark have mass too.
+// way on a logarithmic scale, and the cells that it leaves empty are revived. In tight clusters a fit of fewer seeds
+// comes first (Mérigot: A multiscale approach to optimal transport, Comput. Graph. Forum 30, 2011). In the plane
+// volumes are areas. The weights are those of optimal transport from the domain to the seeds, unique up to a constant.
+// With a density, as an image, volumes are masses. Far from the targets the density is raised evenly, and sinks from
+// step to step, so that cells in the dark have mass too.
 #pragma once
 
 #include <optional>
@@ -40,8 +41,8 @@ struct FitSeconds {
 struct VolumeFit {
     std::vector<double> weights;  // N, length unit squared, input order; the mean is that of the weights at the start
     Tessellation tessellation;    // with these weights and the arrays of Options::want
-    unsigned steps = 0;           // Newton steps
-    unsigned tessellations = 0;   // in all steps, and the one that is returned
+    unsigned steps = 0;           // Newton steps of all seeds
+    unsigned tessellations = 0;   // in all steps, also of fewer seeds, and the one that is returned
     double residual = 0;          // largest |volume - target| / target; of masses with a density
     FitSeconds seconds;
 };

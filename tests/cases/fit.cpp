@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 #include <votess/fit.hpp>
@@ -87,6 +88,39 @@ TEST_SUITE("cases") {
         CHECK(fit.tessellations <= 15);
         g.options.threads = 3;
         CHECK(std::ranges::equal(votess::fit_volumes(g.points, g.targets, g.options).weights, fit.weights));
+    }
+
+    // Steps from the cells without weights were short: 11 for 1,000 seeds, 18 for 16,000.
+    TEST_CASE("fit: seeds in tight clusters take as few steps as others, however many") {
+        for (const bool planar : {false, true})
+            for (const std::size_t count : {400, 1600}) {
+                CAPTURE(planar);
+                CAPTURE(count);
+                test::Random random(8);
+                const std::size_t dimensions = planar ? 2 : 3;
+                test::Coordinates centers, points;
+                for (std::size_t k = 0; k < 8 * dimensions; ++k) centers.push_back(random.uniform(0.1, 0.9));
+                for (std::size_t i = 0; i < count; ++i) {
+                    const std::size_t cluster = random.below(8);
+                    for (std::size_t k = 0; k < dimensions; ++k)
+                        points.push_back(centers[cluster * dimensions + k] + 1e-3 * random.gaussian());
+                }
+                const std::vector<double> targets(count, 1 / static_cast<double>(count));
+                votess::FitOptions tolerance;
+                tolerance.tolerance = 1e-6;
+                const auto fit = [&] {
+                    Options options;
+                    options.device = "cpu";
+                    options.box = test::unit_box();
+                    options.planar = planar;
+                    if (planar) options.box->lower[2] = options.box->upper[2] = 0;
+                    return votess::fit_volumes(points, targets, options, tolerance);
+                }();
+                CHECK(fit.steps <= 8);
+                CHECK(largest_error(fit.tessellation.volumes(), targets) < 1.001e-6);
+                const double sum = std::accumulate(fit.weights.begin(), fit.weights.end(), 0.0);
+                CHECK(std::abs(sum) < 1e-12 * static_cast<double>(count));
+            }
     }
 
     TEST_CASE("fit: empty cells are revived, with less weight for smaller targets") {

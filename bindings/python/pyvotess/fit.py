@@ -45,7 +45,7 @@ class VolumeFit:
     tessellation: Tessellation  #: the cells with these weights
     residual: float  #: largest abs(volume - target) / target
     steps: int  #: Newton steps
-    tessellations: int  #: in all steps, and the one that is returned
+    tessellations: int  #: in all steps, also of fewer points, and the one that is returned
     seconds: FitSeconds
 
     def __repr__(self) -> str:
