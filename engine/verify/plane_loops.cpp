@@ -110,14 +110,14 @@ static_assert(offsetof(PlaneCorner, at) == 0);
 VOTESS_INLINE void add_areas_body(std::span<const PlaneEdge> edges, const PlaneCorner* corners, const Vector3& origin,
                                   double* areas) {
     const Real4 middle{origin[0], origin[1], origin[2], 0};
-    const Mask4 next{1, 2, 0, 3};
     for (const PlaneEdge& edge : edges) {
         Real4 from, to, left, right;
         std::memcpy(&from, corners + edge.from, sizeof from);  // `at` and a number that does not count
         std::memcpy(&to, corners + edge.to, sizeof to);
         from -= middle, to -= middle;
-        const Real4 turn =
-            __builtin_shuffle(from * __builtin_shuffle(to, next) - __builtin_shuffle(from, next) * to, next);
+        const Real4 turned = from * __builtin_shufflevector(to, to, 1, 2, 0, 3) -
+                             __builtin_shufflevector(from, from, 1, 2, 0, 3) * to,
+                    turn = __builtin_shufflevector(turned, turned, 1, 2, 0, 3);
         double *const of_left = areas + 4 * edge.left, *const of_right = areas + 4 * edge.right;
         load(left, of_left);
         left += turn;
