@@ -115,10 +115,9 @@ VOTESS_INLINE void add_areas_body(std::span<const PlaneEdge> edges, const PlaneC
         std::memcpy(&from, corners + edge.from, sizeof from);  // `at` and a number that does not count
         std::memcpy(&to, corners + edge.to, sizeof to);
         from -= middle, to -= middle;
-        const Real4 turned_from = __builtin_shufflevector(from, from, 1, 2, 0, 3),
-                    turned_to = __builtin_shufflevector(to, to, 1, 2, 0, 3),
-                    across = from * turned_to - turned_from * to,
-                    turn = __builtin_shufflevector(across, across, 1, 2, 0, 3);
+        const Real4 turned = from * __builtin_shufflevector(to, to, 1, 2, 0, 3) -
+                             __builtin_shufflevector(from, from, 1, 2, 0, 3) * to,
+                    turn = __builtin_shufflevector(turned, turned, 1, 2, 0, 3);
         double *const of_left = areas + 4 * edge.left, *const of_right = areas + 4 * edge.right;
         load(left, of_left);
         left += turn;

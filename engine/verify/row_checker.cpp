@@ -6,6 +6,7 @@
 
 #include "core/scrambled.hpp"
 #include "core/text.hpp"
+#include "core/thread_pool.hpp"
 #include "core/vector3.hpp"
 
 namespace votess {
@@ -154,6 +155,11 @@ std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic) 
     const double work = static_cast<double>(seeds) * (periodic ? 62 : 2) + 2e4 * static_cast<double>(blocks);
     return std::max(min_sample, static_cast<std::size_t>(sample_budget / work));
 }
+
+RowChecker::RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks)
+    : run_(std::move(run)), sample_(sample), blocks_(blocks) {}
+
+RowChecker::~RowChecker() = default;
 
 void RowChecker::take(const StreamRows& rows, const RowNames& names) {
     const bool faces = !rows.indptr.empty(), all_faces = run_.least_face == 0, counts = !rows.face_counts.empty();

@@ -15,13 +15,14 @@
 #include <string>
 #include <vector>
 
-#include "core/thread_pool.hpp"
 #include "result/arrays.hpp"
 #include "verify/reported_cell.hpp"
 #include "votess/block_cells.hpp"
 #include "votess/stream.hpp"
 
 namespace votess {
+
+class ThreadPool;
 
 // A sample costs about a second: this many distance tests. They are counted, so that every machine tries the same
 // cells.
@@ -67,8 +68,8 @@ public:
         std::optional<std::int64_t> cell{};    // no other one
     };
     // blocks: must outlive this object.
-    RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks)
-        : run_(std::move(run)), sample_(sample), blocks_(blocks) {}
+    RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks);
+    ~RowChecker();
 
     // Takes each row once, in any order.
     void take(const StreamRows& rows, const RowNames& names = {});

@@ -1,6 +1,7 @@
 #include "verify/row_polytope.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -161,15 +162,16 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
     vertices_.resize(count + 1);
     fans_.resize(count + 1);
     faces_.assign(at(n), 0);
-    std::size_t size = 32, found = 0, edge = 0;
-    while (size < 2 * count) size *= 2;
+    std::size_t found = 0, edge = 0;
+    const auto bits = static_cast<unsigned>(std::bit_width(3 * count));
+    const std::size_t size = std::size_t{1} << bits;
     table_.assign(size, {-1, 0});
     slots_.resize(vertices.size());
     bool any_negative = false;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const std::int32_t id = vertices[k];
         any_negative |= id < 0;
-        std::size_t h = (static_cast<std::uint32_t>(id) * 0x9e3779b1u >> 8) & (size - 1);
+        std::size_t h = static_cast<std::uint32_t>(id) * 0x9e3779b1u >> (32 - bits);
         while (table_[h].id != id && table_[h].id >= 0) h = (h + 1) & (size - 1);
         // Whether it is new is hard to foretell, so both go one way.
         const bool is_new = table_[h].id != id;
@@ -398,10 +400,16 @@ void RowPolytope::sharpen(double relative_error) {
 
 // Makes the place of a corner exact to rounding, where it may err by more.
 void RowPolytope::sharpen(Corner& corner, double relative_error) {
-    if (corner.error * corner.error < relative_error * relative_error * dot(corner.at, corner.at)) return;
-    const auto [a, b, c] = corner.planes;
-    (void)source(a);
-    corner.at = exact::near_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)]);
+    const double square = dot(corner.at, corner.at), allowed = relative_error * relative_error * square;
+    if (corner.error * corner.error < allowed) return;
+    if (square > filter_underflow)
+        corner.error = std::min(corner.error, corner.slope + corner.constant * std::sqrt(square));
+    if (corner.error * corner.error < allowed) return;
+    const auto plane = [&](std::size_t k) {
+        const Name& other = name(corner.planes[k]);
+        return planes_.plane(seed_, other.id, other.shift);
+    };
+    corner.at = exact::near_vertex(planes_.seed(seed_), plane(0), plane(1), plane(2));
     for (double& x : corner.at) x *= unit_;
     corner.error = 0x1p-51 * length3(corner.at[0], corner.at[1], corner.at[2]);
 }
