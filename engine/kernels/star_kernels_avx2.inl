@@ -64,7 +64,11 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
         __m256 h = d, measured = d, bound = limit;
         if constexpr (Weighted) {
-            h = _mm256_add_ps(d, _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i)));
+            __m256 more = _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i));
+            more = _mm256_fmadd_ps(nx, _mm256_set1_ps(limits.turn[0]), more);
+            more = _mm256_fmadd_ps(ny, _mm256_set1_ps(limits.turn[1]), more);
+            more = _mm256_fmadd_ps(nz, _mm256_set1_ps(limits.turn[2]), more);
+            h = _mm256_add_ps(d, more);
             const __m256 less = _mm256_sub_ps(h, _mm256_set1_ps(2 * limits.slack));
             measured = _mm256_mul_ps(less, _mm256_andnot_ps(_mm256_set1_ps(-0.0f), less));
             bound = _mm256_mul_ps(limit, d);
@@ -202,6 +206,13 @@ struct Avx2 {
                                              const WeightTilt& t, const HeavierTest& test) {
         Long4 near[2];
         near_heavier_boxes(b, w, home, t, test, near);
+        return bits(near[0]) | bits(near[1]) << 4;
+    }
+
+    VOTESS_AVX2 static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
+                                          const WeightBend& bend, double length) {
+        Long4 near[2];
+        near_bent_boxes(b, w, home, t, bend, length, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
 

@@ -13,6 +13,7 @@
 #endif
 
 #include "kernels/star_kernels.hpp"
+#include "kernels/weight_bend.hpp"
 
 namespace votess::cpu {
 
@@ -211,6 +212,75 @@ VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, c
     }
 }
 
+// Writes -1 for boxes that may hold a seed whose plane is nearer than `length` to a moved seed of the home, 0 for others.
+//
+// With n from a seed of the home to one of the box, A = 1 - bend and the difference d of their rho, that takes n.A.n - 2
+// length |n| < d. As 2 |n| <= n^2 / far + far, n.B.n - length far < d with B = A - length / far, which is convex. So
+// n.B.n >= 2 n.B.m - m.B.m for any m, and least at a corner of the box. m is about where n.A.n is least.
+VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
+                                   const WeightBend& bent, double length, Long4 (&out)[2]) {
+    using Lanes = Double4;
+    constexpr double rounding = 1e-12;
+    const double least_far = length / (1 - bent.steepest) * (1 + 1e-6);
+    for (int i = 0; i < box_fan; i += 4) {
+        Lanes y[3], half[3], near[3], end[3], m[3], across{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base,
+                                                     size;
+        absolute(excess, size);
+        for (int k = 0; k < 3; ++k) {
+            const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
+                        upper = *reinterpret_cast<const Lanes*>(b.upper[k] + i);
+            y[k] = 0.5 * (upper + lower) - t.origin[k];
+            half[k] = 0.5 * (upper - lower);
+            near[k] = lower - home.upper[k];
+            end[k] = upper - home.lower[k];
+            m[k] = near[k] > 0 ? near[k] : end[k] < 0 ? end[k] : Lanes{};
+            Lanes distance;
+            absolute(y[k], distance);
+            across += distance;
+        }
+        const Lanes bends = bent.largest * across;
+        for (int k = 0; k < 3; ++k) {
+            const Lanes slope = *reinterpret_cast<const Lanes*>(w.slope[k] + i);
+            const Lanes by = bent.bend[k][0] * y[0] + bent.bend[k][1] * y[1] + bent.bend[k][2] * y[2];
+            Lanes apart, steep, distance;
+            absolute(slope - t.slope[k] - 2 * by, apart);
+            absolute(slope, steep);
+            absolute(y[k], distance);
+            const double own = t.slope[k] < 0 ? -t.slope[k] : t.slope[k];
+            excess += apart * half[k] + bent.downward[k] * half[k] * half[k] - y[k] * (t.slope[k] + by);
+            size += (steep + own + 2 * bends + bent.downward[k] * half[k]) * half[k] + distance * (own + bends);
+        }
+        const Lanes most = excess - t.least + residual_slack * size;
+        for (int sweep = 0; sweep < 2; ++sweep)
+            for (int k = 0; k < 3; ++k) {
+                const int j = (k + 1) % 3, l = (k + 2) % 3;
+                Lanes at = (bent.bend[k][j] * m[j] + bent.bend[k][l] * m[l]) / (1 - bent.bend[k][k]);
+                at = at < near[k] ? near[k] : at;
+                m[k] = at > end[k] ? end[k] : at;
+            }
+        const Lanes square = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
+        Lanes far;
+        square_roots(square < least_far * least_far ? Lanes{} + least_far * least_far : square, far);
+        const Lanes share = 1 - length / far;
+        Lanes sum{}, widest{}, long_m{};
+        for (int k = 0; k < 3; ++k) {
+            const Lanes bm = share * m[k] - (bent.bend[k][0] * m[0] + bent.bend[k][1] * m[1] + bent.bend[k][2] * m[2]);
+            sum += bm * (2 * (bm > 0 ? near[k] : end[k]) - m[k]);
+            Lanes a, c, d;
+            absolute(near[k], a);
+            absolute(end[k], c);
+            absolute(m[k], d);
+            widest += a > c ? a : c;
+            long_m += d;
+        }
+        const Lanes slack = rounding * (long_m * (1 + 3 * bent.largest) * widest + length * far);
+        // Missing boxes have no center.
+        const Long4 exists =
+            *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
+        out[i / 4] = exists & ~(sum - slack - length * far - most > smallest_area);
+    }
+}
+
 // The residuals of four seeds, rounded.
 VOTESS_INLINE void residuals(const Double4 (&x)[3], const Double4& weight, const WeightTilt& t, Double4& out,
                              Double4& size) {
@@ -249,6 +319,13 @@ struct Baseline {
                                  const HeavierTest& test) {
         Long4 near[2];
         near_heavier_boxes(b, w, home, t, test, near);
+        return bits(near[0]) | bits(near[1]) << 4;
+    }
+
+    static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
+                              const WeightBend& bend, double length) {
+        Long4 near[2];
+        near_bent_boxes(b, w, home, t, bend, length, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
 
@@ -356,7 +433,9 @@ struct Baseline {
             const Float4 nx = difference(w.x, p[0]), ny = difference(w.y, p[1]), nz = difference(w.z, p[2]);
             const Float4 d = nx * nx + ny * ny + nz * nz;
             Float4 h = 0.5f * d;
-            if constexpr (Weighted) h = 0.5f * (d + (weight - load(w.weight + i)));
+            if constexpr (Weighted)
+                h = 0.5f * (d + (weight - load(w.weight + i) + nx * limits.turn[0] + ny * limits.turn[1] +
+                                 nz * limits.turn[2]));
             const auto within = [&](float squared) {
                 if constexpr (!Weighted) return mask_of(d < squared);
                 const Float4 less = h - limits.slack;

@@ -38,6 +38,8 @@ private:
     static constexpr double missed_share = 2.5;       // of the squared reach: a little beyond
     static constexpr double far_share = 16;           // of the squared reach: far beyond
     static constexpr double allowed_misses = 0.35;    // searches for a cell
+    // Of the reach, and of the bend of the weights: less is not worth the tests.
+    static constexpr double min_turned = 0.15, min_steepest = 0.5;
     static constexpr int max_candidates = 160;        // at first; leaves room for others
     static constexpr int enough_candidates = 80;
     static constexpr int crowded = 192;               // more candidates leave too little room for a search
@@ -205,6 +207,11 @@ private:
     }
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2, double length2);
     void find_sure_images();
+    // Of a vertex from a seed of the home that is moved by the home's tilt, within the reach of the window.
+    [[nodiscard]] double home_length() const {
+        return 0.5 * window_.reach() + (is_bent_ ? bent_.most_turned : 0);
+    }
+    [[nodiscard]] double sure_image_reach() const { return 2 * std::max(0.0, sure_images_ - turned_); }
     [[nodiscard, gnu::noinline]] double sure_without_images(const Box& home, double length);
     [[nodiscard]] bool any_missing_image(const Ball& ball, double length);
     template <class Visit>
@@ -252,7 +259,7 @@ private:
     void open_window(std::size_t home, double reach2);
     [[nodiscard]] bool may_coincide() const;
     bool gather_candidates();
-    [[nodiscard]] bool is_buried(const std::array<std::int32_t, 3>& p, float slack);
+    [[nodiscard]] bool is_buried(const std::array<std::int32_t, 3>& p, SelectLimits limits);
     bool begin_anywhere();
     bool begin_at_face(int candidate);
     bool begin_outside();
@@ -270,10 +277,16 @@ private:
     [[nodiscard]] double covered_by_search(double square) const;
     void find_tilt(std::size_t home, const Box& box);
     [[nodiscard]] double residual(double weight, const exact::Point& x) const;
-    [[nodiscard]] double least_residual(double weight, const exact::Point& x) const;
-    [[nodiscard]] double along_tilt(const Four& n) const {
-        return 0.5 * (n.x[0] * tilt_.slope[0] + n.x[1] * tilt_.slope[1] + n.x[2] * tilt_.slope[2]);
+    [[nodiscard]] double least_residual(const WeightTilt& tilt, double weight, const exact::Point& x) const;
+    bool find_bend(std::size_t home);
+    bool bound_bend();
+    void lay_bend(std::size_t home);
+    [[nodiscard]] Four turn_at(const exact::Point& x) const;
+    void tilt_alone();
+    [[nodiscard]] static double along_tilt(const WeightTilt& tilt, const Four& n) {
+        return 0.5 * (n.x[0] * tilt.slope[0] + n.x[1] * tilt.slope[1] + n.x[2] * tilt.slope[2]);
     }
+    [[nodiscard]] static double length_of(const WeightTilt& tilt);
     [[nodiscard]] Ball ball_around(const Four& x, double length2) const;
     [[nodiscard, gnu::always_inline]] inline unsigned near_boxes(std::int32_t level, std::uint32_t index,
                                                                  const Ball& ball) const;
@@ -373,8 +386,13 @@ private:
     double lightest_ = 0;      // of the seeds of the home
     WeightTilt tilt_{};        // of the weights around the home, see star_bounds.hpp
     WeightTilt own_tilt_{};    // the same, for the seed alone
+    bool is_bent_ = false;     // how the slope changes around the home is known
+    Window::Bent bent_{};
+    Four turn_{};              // slope of own_tilt_ less that of tilt_
+    double turned_ = 0;        // half of its length
     Four move_{};              // a, in window units
     double tilt_length_ = 0;   // |a|
+    double home_tilt_length_ = 0;
     double sure_images_ = 0;   // no missing image cuts off a vertex of the home that is nearer to its moved seed
     bool sure_images_known_ = false;
     Box sure_box_{};        // of the home, for which it is found when a vertex needs it

@@ -59,15 +59,17 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     if (weighted_) find_tilt(home, box);
     const WeightTilt* tilt = weighted_ ? &tilt_ : nullptr;
     const double radius = std::sqrt(reach2) * 1.02;
-    window_open_ = window_.open(home, box, radius, tilt, cells_);
+    is_bent_ = is_bent_ && bent_.bend.steepest >= min_steepest && bent_.most_turned > min_turned * radius;
+    const Window::Bent* bent = is_bent_ ? &bent_ : nullptr;
+    window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
     // A home may span far more than its surroundings, where the curve leaves a cluster.
     if (!window_open_) {
         box = {p_, p_};
-        window_open_ = window_.open(home, box, radius, tilt, cells_);
+        window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
         window_home_ = ~std::size_t{0};
     }
     if (!window_open_) return;
-    collect_near_walls(box, window_.reach());
+    collect_near_walls(box, window_.reach() + (is_bent_ ? bent_.most_turned : 0));
     sure_images_known_ = !weighted_ || seeds_.images == nullptr;
     sure_box_ = box;
     for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
@@ -78,26 +80,190 @@ template <class Isa>
 void StarWalk<Isa>::find_tilt(std::size_t home, const Box& box) {
     tilt_ = {};
     for (std::size_t k = 0; k < 3; ++k) tilt_.origin[k] = 0.5 * (box.lower[k] + box.upper[k]);
-    tilt_length_ = 0;
+    home_tilt_length_ = 0;
+    is_bent_ = false;
     if (probing_) {
         tilt_.base = lightest_ = lightest_probe_;
         return;
     }
     const std::size_t group = home * Window::home_groups;
     const WeightBlock& bounds = hierarchy_.weight_bounds(0, group / box_fan);
-    double square = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        tilt_.slope[k] = bounds.slope[k][group % box_fan];
-        square += 0.25 * tilt_.slope[k] * tilt_.slope[k];
-    }
-    tilt_length_ = std::sqrt(square) * (1 + 8 * unit);
+    for (std::size_t k = 0; k < 3; ++k) tilt_.slope[k] = bounds.slope[k][group % box_fan];
+    is_bent_ = find_bend(home);
+    home_tilt_length_ = length_of(tilt_);
     const std::size_t begin = home * Window::home_seeds, end = std::min(begin + Window::home_seeds, seeds_.size());
     tilt_.base = lightest_ = seeds_.weights[begin];
     tilt_.least = 0;
     for (std::size_t s = begin; s < end; ++s) {
-        tilt_.least = std::min(tilt_.least, least_residual(seeds_.weights[s], {seeds_.x[s], seeds_.y[s], seeds_.z[s]}));
+        tilt_.least = std::min(tilt_.least, least_residual(tilt_, seeds_.weights[s], {seeds_.x[s], seeds_.y[s], seeds_.z[s]}));
         lightest_ = std::min(lightest_, seeds_.weights[s]);
     }
+    if (is_bent_) lay_bend(home);
+}
+
+// Returns |a|.
+template <class Isa>
+double StarWalk<Isa>::length_of(const WeightTilt& tilt) {
+    const double square =
+        tilt.slope[0] * tilt.slope[0] + tilt.slope[1] * tilt.slope[1] + tilt.slope[2] * tilt.slope[2];
+    return 0.5 * std::sqrt(square) * (1 + 8 * unit);
+}
+
+// Fits how the slope of the weights changes from home to home along the curve, and sets that of this home. Any bend is
+// right; a good one puts the moved seeds into the middle of their cells. Returns false if none explains the slopes.
+//
+// Homes without a slope have rough weights, or lie where smooth ones are least or greatest.
+template <class Isa>
+bool StarWalk<Isa>::find_bend(std::size_t home) {
+    constexpr std::size_t homes_around = 6;
+    constexpr double ridge = 1e-2;            // of the spread
+    constexpr double max_unexplained = 0.25;   // of the variance of slopes
+    const std::size_t homes = seeds_.size() / Window::home_seeds;
+    const std::size_t begin = home < homes_around ? 0 : home - homes_around;
+    const std::size_t end = std::min(homes, home + homes_around + 1);
+    if (home >= homes) return false;
+    std::array<exact::Point, 2 * homes_around + 1> at, slope;
+    exact::Point center{}, mean{}, here{};
+    std::size_t count = 0;
+    for (std::size_t h = begin; h < end; ++h) {
+        const std::size_t group = h * Window::home_groups, i = group % box_fan;
+        const BoxBlock& boxes = hierarchy_.block(0, group / box_fan);
+        const WeightBlock& weights = hierarchy_.weight_bounds(0, group / box_fan);
+        const bool sloped = weights.slope[0][i] != 0 || weights.slope[1][i] != 0 || weights.slope[2][i] != 0;
+        if (!sloped && h != home) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            at[count][k] =
+                0.25 * (boxes.lower[k][i] + boxes.upper[k][i] + boxes.lower[k][i + 1] + boxes.upper[k][i + 1]);
+            slope[count][k] = weights.slope[k][i];
+            center[k] += at[count][k];
+            mean[k] += slope[count][k];
+        }
+        if (h == home) here = at[count];
+        if (sloped)
+            ++count;
+        else
+            for (std::size_t k = 0; k < 3; ++k) center[k] -= at[count][k];
+    }
+    if (count < homes_around) return false;
+    for (std::size_t k = 0; k < 3; ++k) center[k] /= static_cast<double>(count), mean[k] /= static_cast<double>(count);
+    double m[3][6] = {}, variance = 0;  // squares of places, and their products with slopes
+    for (std::size_t h = 0; h < count; ++h) {
+        for (std::size_t k = 0; k < 3; ++k) at[h][k] -= center[k], slope[h][k] -= mean[k];
+        for (std::size_t i = 0; i < 3; ++i) {
+            variance += slope[h][i] * slope[h][i];
+            for (std::size_t j = 0; j < 3; ++j) {
+                m[i][j] += at[h][i] * at[h][j];
+                m[i][3 + j] += at[h][i] * slope[h][j];
+            }
+        }
+    }
+    const double more = ridge * (m[0][0] + m[1][1] + m[2][2]);
+    double explained = 0, products[3][3];
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) products[i][j] = m[i][3 + j];
+        m[i][i] += more;
+    }
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (j == i) continue;
+            const double by = m[j][i] / m[i][i];
+            for (std::size_t k = i; k < 6; ++k) m[j][k] -= by * m[i][k];
+        }
+    WeightBend& bend = bent_.bend;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double by = 0.5 * (m[i][3 + j] / m[i][i] + m[j][3 + i] / m[j][j]);
+            bend.bend[i][j] = 0.5 * by;
+            explained += by * products[i][j];
+        }
+    const bool does_explain = explained > (1 - max_unexplained) * variance;
+    if (!does_explain || !bound_bend()) return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+        tilt_.slope[k] = mean[k];
+        for (std::size_t j = 0; j < 3; ++j) tilt_.slope[k] += 2 * bend.bend[k][j] * (here[j] - center[j]);
+    }
+    return true;
+}
+
+// Returns false if the bend is too steep for the bounds of a window.
+template <class Isa>
+bool StarWalk<Isa>::bound_bend() {
+    constexpr double least = 1e-3;
+    WeightBend& bend = bent_.bend;
+    bend.largest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        double others = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double size = std::abs(bend.bend[i][j]);
+            bend.largest = std::max(bend.largest, size);
+            others += j == i ? 0 : size;
+        }
+        bend.downward[i] = std::max(0.0, (others - bend.bend[i][i]) * (1 + 8 * unit));
+    }
+    for (const double steepest : {0.1, 0.3, 0.5, 0.65, 0.8, 0.9}) {  // by Cholesky
+        const auto& b = bend.bend;
+        const double first = steepest - b[0][0], by = b[0][1] / first, second = steepest - b[1][1] - by * b[0][1];
+        const double across = -b[1][2] - by * b[0][2];
+        const double third = steepest - b[2][2] - b[0][2] * b[0][2] / first - across * across / second;
+        bend.steepest = steepest;
+        if (first > least && second > least && third > least) return bend.largest < 1e3;
+    }
+    return false;
+}
+
+// Finds what the bend leaves of the weights of the home, and how it moves its seeds.
+template <class Isa>
+void StarWalk<Isa>::lay_bend(std::size_t home) {
+    bent_.tilt = tilt_;
+    const std::size_t begin = home * Window::home_seeds, end = begin + Window::home_seeds;
+    // The slope is that at the middle of the boxes of its groups.
+    const std::size_t group = home * Window::home_groups, i = group % box_fan;
+    const BoxBlock& boxes = hierarchy_.block(0, group / box_fan);
+    for (std::size_t k = 0; k < 3; ++k)
+        bent_.tilt.origin[k] =
+            0.25 * (boxes.lower[k][i] + boxes.upper[k][i] + boxes.lower[k][i + 1] + boxes.upper[k][i + 1]);
+    bent_.tilt.least = std::numeric_limits<double>::infinity();
+    bent_.most_turned = 0;
+    for (std::size_t s = begin; s < end; ++s) {
+        const exact::Point x{seeds_.x[s], seeds_.y[s], seeds_.z[s]};
+        const Four turn = turn_at(x);
+        double bends = 0, size = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double by = 0.5 * turn.x[k] * (x[k] - bent_.tilt.origin[k]);
+            bends += by;
+            size += std::abs(by);
+        }
+        const double rho = least_residual(bent_.tilt, seeds_.weights[s], x) - bends - 64 * unit * size;
+        bent_.tilt.least = std::min(bent_.tilt.least, rho);
+        bent_.most_turned = std::max(bent_.most_turned, 0.5 * std::sqrt(dot(wide(turn), wide(turn))) * (1 + 8 * unit));
+    }
+}
+
+// Returns by how much the slope at a place differs from that of the tilt.
+template <class Isa>
+Four StarWalk<Isa>::turn_at(const exact::Point& x) const {
+    Four turn{};
+    for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t j = 0; j < 3; ++j) turn.x[k] += 2 * bent_.bend.bend[k][j] * (x[j] - bent_.tilt.origin[j]);
+    return turn;
+}
+
+// Finds the tilt at the seed.
+template <class Isa>
+void StarWalk<Isa>::tilt_alone() {
+    own_tilt_ = tilt_;
+    turn_ = {};
+    turned_ = 0;
+    if (is_bent_) {
+        const Four turn = turn_at(p_);
+        for (std::size_t k = 0; k < 3; ++k) {
+            own_tilt_.slope[k] += turn.x[k];
+            turn_.x[k] = own_tilt_.slope[k] - tilt_.slope[k];
+        }
+        turned_ = 0.5 * std::sqrt(dot(wide(turn_), wide(turn_))) * (1 + 8 * unit);
+    }
+    own_tilt_.least = least_residual(own_tilt_, weight_, p_);
+    tilt_length_ = length_of(own_tilt_);
 }
 
 template <class Isa>
@@ -109,14 +275,16 @@ double StarWalk<Isa>::residual(double weight, const exact::Point& x) const {
 
 // Rounded down, also for a place that is rounded.
 template <class Isa>
-double StarWalk<Isa>::least_residual(double weight, const exact::Point& x) const {
-    double size = std::abs(weight - tilt_.base), steepness = 0;
+double StarWalk<Isa>::least_residual(const WeightTilt& tilt, double weight, const exact::Point& x) const {
+    double rest = weight - tilt.base, size = std::abs(rest), steepness = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        size += std::abs(tilt_.slope[k] * (x[k] - tilt_.origin[k]));
-        steepness += std::abs(tilt_.slope[k]);
+        const double by = tilt.slope[k] * (x[k] - tilt.origin[k]);
+        rest -= by;
+        size += std::abs(by);
+        steepness += std::abs(tilt.slope[k]);
     }
     const double places = seeds_.images == nullptr ? 0 : steepness * seeds_.images->largest_coordinate();
-    return residual(weight, x) - 16 * unit * (size + places);
+    return rest - 16 * unit * (size + places);
 }
 
 // Whether a candidate may coincide with the seed. Window integers are exact to half a unit each.
@@ -136,16 +304,15 @@ bool StarWalk<Isa>::gather_candidates() {
     const std::size_t home = probing_ ? Window::no_home : seed_ / Window::home_seeds;
     if (window_home_ != home) open_window(home, reach2);
     if (!window_open_ || !(probing_ || window_.holds(seed_))) return false;
-    reach2 = std::min(reach2, window_.reach() * window_.reach());
     const double scale = window_.scale();
     if (weighted_) {
-        own_tilt_ = tilt_;
-        own_tilt_.least = least_residual(weight_, p_);
+        tilt_alone();
         own_weight_ = window_.weight(residual(weight_, p_));
-        for (std::size_t k = 0; k < 3; ++k) move_.x[k] = 0.5 * tilt_.slope[k] * scale;
-        const double length = tilt_length_ * scale, span = window_.weight_span(own_weight_);
+        for (std::size_t k = 0; k < 3; ++k) move_.x[k] = 0.5 * own_tilt_.slope[k] * scale;
+        const double length = home_tilt_length_ * scale, span = window_.weight_span(own_weight_);
         weight_rounding_ = bounds::weight_rounding(span, length, window_.extent());
     }
+    reach2 = std::min(reach2, window_.reach() * window_.reach());
     const auto p = probing_ ? window_.position(p_) : window_.position(seed_);
     if (!probing_) window_.hide(seed_);
     have_candidates_ = true;
@@ -153,7 +320,7 @@ bool StarWalk<Isa>::gather_candidates() {
     scale_ = scale;
     unscale_ = 1 / scale;
     if (seeds_.images != nullptr)
-        set_image_reach(!weighted_ ? seeds_.images->min_reach() : sure_images_known_ ? 2 * sure_images_ : 0);
+        set_image_reach(!weighted_ ? seeds_.images->min_reach() : sure_images_known_ ? sure_image_reach() : 0);
     planes_known_ = facings_known_ = 0;
     selected_ = CandidatePlanes::capacity;
     for (int tries = 0;; ++tries) {
@@ -163,8 +330,13 @@ bool StarWalk<Isa>::gather_candidates() {
         if (!add_near_walls()) return false;
         const double square = reach2 * scale * scale, near_square = near_share * square;
         SelectLimits limits{static_cast<float>(near_square), static_cast<float>(square), 0};
-        if (weighted_)
-            limits.slack = static_cast<float>(bounds::select_slack(0.5 * reach, window_.extent(), weight_rounding_));
+        if (weighted_) {
+            constexpr double longest = 3.5;  // of a normal: the diagonal of the window
+            const double rounding =
+                weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale, longest * window_.extent());
+            limits.slack = static_cast<float>(bounds::select_slack(0.5 * reach, window_.extent(), rounding));
+            for (std::size_t k = 0; k < 3; ++k) limits.turn[k] = static_cast<float>(turn_.x[k] * scale);
+        }
         if (Isa::select(window_.seeds(), p.data(), own_weight_, limits, candidates_) &&
             candidates_.count <= max_candidates) {
             const double complete = window_.covered() * window_.covered() * scale * scale;
@@ -174,7 +346,7 @@ bool StarWalk<Isa>::gather_candidates() {
             if (weighted_ ? tries == 1 : tries > 0) typical_reach_ = reach2 / reach_margin_;
             break;
         }
-        if (tries == 8 || (weighted_ && tries == 0 && is_buried(p, limits.slack))) return false;
+        if (tries == 8 || (weighted_ && tries == 0 && is_buried(p, limits))) return false;
         reach2 *= 0.5;
     }
     selected_ = candidates_.count;
@@ -185,9 +357,10 @@ bool StarWalk<Isa>::gather_candidates() {
 // Whether very many seeds of the window own the place of the moved seed. The clipper soon finds its cell, if it has
 // one.
 template <class Isa>
-bool StarWalk<Isa>::is_buried(const std::array<std::int32_t, 3>& p, float slack) {
+bool StarWalk<Isa>::is_buried(const std::array<std::int32_t, 3>& p, SelectLimits limits) {
     candidates_.count = candidates_.near = 0;
-    return !Isa::select(window_.seeds(), p.data(), own_weight_, {0, 0, slack}, candidates_) ||
+    limits.near_squared = limits.distance_squared = 0;
+    return !Isa::select(window_.seeds(), p.data(), own_weight_, limits, candidates_) ||
            candidates_.count > max_candidates;
 }
 
@@ -195,7 +368,8 @@ bool StarWalk<Isa>::is_buried(const std::array<std::int32_t, 3>& p, float slack)
 template <class Isa>
 void StarWalk<Isa>::set_longest(double length) {
     longest_ = length;
-    const bounds::FloatMargin m = weighted_ ? bounds::float_margin(longest_, tilt_length_ * scale_, weight_rounding_)
+    const bounds::FloatMargin m = weighted_ ? bounds::float_margin(longest_, tilt_length_ * scale_,
+                                                                 weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale_, longest_))
                                             : bounds::float_margin(longest_);
     rounding_by_square_ = m.by_square;
     rounding_ = m.constant;
@@ -1127,9 +1301,9 @@ double StarWalk<Isa>::power_within(double distance2, double length2) const {
 template <class Isa>
 void StarWalk<Isa>::find_sure_images() {
     image_shifts_known_ = false;
-    sure_images_ = window_.covered() > 0 ? sure_without_images(sure_box_, 0.5 * window_.reach()) : 0;
+    sure_images_ = window_.covered() > 0 ? sure_without_images(sure_box_, home_length()) : 0;
     sure_images_known_ = true;
-    set_image_reach(2 * sure_images_);
+    set_image_reach(sure_image_reach());
 }
 
 // Whether all images near the vertex are present, with rounding small enough to decide.
@@ -1230,7 +1404,7 @@ double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
         near = std::min(near, seeds_.images->reach({corner & 1 ? home.upper[0] : home.lower[0],
                                                     corner & 2 ? home.upper[1] : home.lower[1],
                                                     corner & 4 ? home.upper[2] : home.lower[2]}));
-    const double from_seed = length + tilt_length_, heavier = std::max(0.0, domain_->largest_weight - lightest_);
+    const double from_seed = length + home_tilt_length_, heavier = std::max(0.0, domain_->largest_weight - lightest_);
     const double distance =
         (from_seed + std::min(std::sqrt(from_seed * from_seed + heavier), domain_->covering_radius)) * (1 + 4 * margin);
     image_shifts_known_ = true;
@@ -1320,7 +1494,7 @@ bool StarWalk<Isa>::any_missing_image(const Ball& ball, double length) {
             return !any;
         });
     };
-    if (weighted_ && image_shifts_known_ && length <= 0.5 * window_.reach()) {
+    if (weighted_ && image_shifts_known_ && length + turned_ <= home_length()) {
         for (const auto& shift : image_shifts_) search(shift);
         return any;
     }
@@ -1738,7 +1912,7 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
     weighted_ = domain.has_weights();
     weight_ = own_weight_ = 0;
     tilt_ = {};
-    tilt_length_ = weight_rounding_ = 0;
+    tilt_length_ = home_tilt_length_ = weight_rounding_ = turned_ = 0;
     plain_ = !weighted_ && seeds_.images == nullptr;
     walls_.clear();
     wall_error_ = 0;
@@ -1774,7 +1948,7 @@ template <class Isa>
 double StarWalk<Isa>::distance_to(const Wall& wall) const {
     const auto& n = wall.normal.x;
     double inside = wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
-    if (weighted_) inside += along_tilt(wall.normal) - 8 * unit * tilt_length_;
+    if (weighted_) inside += along_tilt(own_tilt_, wall.normal) - 8 * unit * tilt_length_;
     return inside;
 }
 
@@ -1787,7 +1961,7 @@ void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
         const auto& n = walls_[w].normal.x;
         double farthest = 0;
         for (int k = 0; k < 3; ++k) farthest += n[k] * (n[k] > 0 ? home.upper[k] : home.lower[k]);
-        if (walls_[w].offset - farthest + along_tilt(walls_[w].normal) - 2 * walls_[w].error < reach)
+        if (walls_[w].offset - farthest + along_tilt(tilt_, walls_[w].normal) - 2 * walls_[w].error < reach)
             near_walls_.push_back({w, 0});
     }
 }

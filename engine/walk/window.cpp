@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t min_groups = 4;  // fewer say nothing about the surroundings
 constexpr int max_tries = 12;
 constexpr int max_heavier_tries = 4;
+constexpr int max_bent_level = 0;  // the bend of the weights says little about large boxes
 constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
@@ -46,16 +47,19 @@ bool Window::collect(std::size_t most, Near near_boxes) {
     return true;
 }
 
-bool Window::collect(const Box& box, double radius, const WeightTilt* tilt) {
+bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, const Bent* bent) {
     const double square = radius * radius * (1 + 1e-12);
     if (tilt == nullptr)
         return collect(max_groups, [&](const Node& node) {
             return kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, square);
         });
+    const double length = 0.5 * radius + (bent == nullptr ? 0 : bent->most_turned);
     return collect(max_heavier_groups, [&](const Node& node) {
-        return kernels_.near_heavier(hierarchy_.block(node.level, node.index),
-                                     hierarchy_.weight_bounds(node.level, node.index), box, *tilt,
-                                     {0.5 * radius, 0, 0});
+        const BoxBlock& boxes = hierarchy_.block(node.level, node.index);
+        const WeightBlock& weights = hierarchy_.weight_bounds(node.level, node.index);
+        return bent == nullptr || node.level > max_bent_level
+                   ? kernels_.near_heavier(boxes, weights, box, *tilt, {length, 0, 0})
+                   : near_bent_(boxes, weights, box, bent->tilt, bent->bend, 0.5 * radius);
     });
 }
 
@@ -67,10 +71,11 @@ Box Window::home_box(std::size_t home) const {
     return box;
 }
 
-bool Window::open(std::size_t home, const Box& box, double radius, const WeightTilt* tilt, const Neighborhood& cells) {
+bool Window::open(std::size_t home, const Box& box, double radius, const WeightTilt* tilt, const Neighborhood& cells,
+                  const Bent* bent) {
     const WeightTilt* heavier = tilt;  // null if only near seeds are collected
     for (int tries = 0;; ++tries) {
-        const bool all = collect(box, radius, heavier);
+        const bool all = collect(box, radius, heavier, bent);
         if (!all && heavier != nullptr && tries == max_heavier_tries) {
             heavier = nullptr;
             continue;
@@ -134,7 +139,7 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
          seeds_.weights.data(),
          {groups_.data(), group_count_},
          kept},
-        {box, radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_, tilt, 0.5 * radius}, out,
+        {box, radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_, tilt, 0.5 * radius + (bent == nullptr ? 0 : bent->most_turned)}, out,
         id_.data(), weight_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     if (tilt == nullptr) return true;

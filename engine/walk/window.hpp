@@ -10,6 +10,7 @@
 
 #include "index/hierarchy.hpp"
 #include "kernels/star_kernels.hpp"
+#include "kernels/weight_bend.hpp"
 #include "walk/neighborhood.hpp"
 
 namespace votess::cpu {
@@ -17,18 +18,26 @@ namespace votess::cpu {
 class Window {
 public:
     Window(const SortedSeeds& seeds, const Hierarchy& hierarchy, const StarKernels& kernels)
-        : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels) {}
+        : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels), near_bent_(near_bent(kernels.name)) {}
 
     static constexpr std::size_t home_groups = Hierarchy::slope_groups;
     static constexpr std::size_t home_seeds = home_groups * group_size;
 
     static constexpr std::size_t no_home = ~std::size_t{0} - 1;
 
+    // Where weights bend, each seed of the home is moved by the slope at its place, and distances are from there.
+    struct Bent {
+        WeightTilt tilt;  // with the least rho
+        WeightBend bend;
+        double most_turned = 0;  // the most by which a seed of the home is moved otherwise than by the tilt
+    };
+
     // Collects all seeds whose planes may come nearer to a seed in a box than about radius / 2, except those of groups
     // that are done. Without weights these are the seeds nearer than the radius. box: of home `home` (seeds home *
     // home_seeds and on), of one of its seeds, or any box for no_home. tilt: null without weights. Returns false when
-    // no window can represent them.
-    bool open(std::size_t home, const Box& box, double radius, const WeightTilt* tilt, const Neighborhood& cells);
+    // no window can represent them. bent: null where weights hardly bend.
+    bool open(std::size_t home, const Box& box, double radius, const WeightTilt* tilt, const Neighborhood& cells,
+              const Bent* bent);
 
     [[nodiscard]] Box home_box(std::size_t home) const;
     [[nodiscard]] WindowSeeds seeds() const {
@@ -76,13 +85,14 @@ private:
     // Returns false when the weights differ too much for floats.
     bool find_span();
     // Returns false when more than `max_groups` groups are that near.
-    bool collect(const Box& box, double radius, const WeightTilt* tilt);
+    bool collect(const Box& box, double radius, const WeightTilt* tilt, const Bent* bent);
     template <class Near>
     bool collect(std::size_t most, Near near);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const StarKernels& kernels_;
+    NearBent& near_bent_;
     static constexpr std::size_t max_groups = 160;  // beyond it a second search is cheaper
     static constexpr std::size_t max_heavier_groups = 512;
     struct Node {

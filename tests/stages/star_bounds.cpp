@@ -128,11 +128,21 @@ TEST_SUITE("stages") {
                     norm2 += n[k] * n[k];
                     for (int j = 1; j < 16; ++j) at[k][j] = far_away;
                 }
-                const double h = (distance - off) * std::sqrt(norm2), difference = 2 * h - norm2;  // r_p - r_q
+                // With a tilt of its own: turn.n / 2 more.
+                const Vector aside = direction(random);
+                const double turn = random.chance(0.5) ? 0 : extent * decades(random, -4, 1);
+                SelectLimits limits{};
+                double turned = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    limits.turn[k] = static_cast<float>(turn * aside[k]);
+                    turned += turn * aside[k] * n[k];
+                }
+                const double h = (distance - off) * std::sqrt(norm2), difference = 2 * h - norm2 - turned;  // r_p - r_q
                 const double own = random.chance(0.5) ? 0 : difference * random.uniform(-2, 2),
                              other = own - difference;
                 const double span = std::max({own, other, 0.0}) - std::min({own, other, 0.0});
-                const double rounding = bounds::weight_rounding(span, 0, extent);
+                const double rounding =
+                    bounds::weight_rounding(span, 0, extent) + bounds::turn_rounding(turn, 3.5 * extent);
                 const double limit = 4 * distance * distance;
                 const auto slack = static_cast<float>(bounds::select_slack(distance, extent, rounding));
                 const std::int32_t zero[3] = {0, 0, 0};
@@ -140,8 +150,10 @@ TEST_SUITE("stages") {
                 float weights[16] = {static_cast<float>(other)};
                 for (int j = 1; j < 16; ++j) weights[j] = -std::numeric_limits<float>::infinity();
                 const auto candidates = std::make_unique<CandidatePlanes>();
-                REQUIRE(kernels.select({at[0], at[1], at[2], ids, weights, 1}, zero, static_cast<float>(own),
-                                       {static_cast<float>(limit), static_cast<float>(limit), slack}, *candidates));
+                limits.near_squared = limits.distance_squared = static_cast<float>(limit);
+                limits.slack = slack;
+                REQUIRE(kernels.select({at[0], at[1], at[2], ids, weights, 1}, zero, static_cast<float>(own), limits,
+                                       *candidates));
                 skipped += candidates->count == 0 ? 1 : 0;
                 if (candidates->count == 0) CHECK(h / std::sqrt(norm2) >= distance * (1 - 0x1p-20) - bounds::quantum);
             }

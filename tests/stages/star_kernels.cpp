@@ -2,6 +2,8 @@
 // a result must be equal; on others it may differ where rounding decides.
 #include "kernels/star_kernels.hpp"
 
+#include "kernels/weight_bend.hpp"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -253,6 +255,123 @@ TEST_SUITE("stages") {
         }
         CHECK(passed > 2000);
         CHECK(dropped > 2000);
+    }
+
+    // Homes and boxes of seeds whose weights are a quadratic function and noise. The bounds of boxes know neither.
+    TEST_CASE("star kernels: near_bent keeps all seeds whose planes are near") {
+        Random random(21);
+        int kept = 0, dropped = 0;
+        for (int round = 0; round < 4000; ++round) {
+            // Eigenvalues up to `steepest`, on turned axes.
+            WeightBend bent{};
+            bent.steepest = random.uniform(0.05, 0.95);
+            std::array<std::array<double, 3>, 3> axes{};
+            for (std::size_t a = 0; a < 3; ++a) {
+                double along = 0;
+                for (double& x : axes[a]) x = random.uniform(-1, 1);
+                for (std::size_t b = 0; b < a; ++b) {
+                    along = axes[a][0] * axes[b][0] + axes[a][1] * axes[b][1] + axes[a][2] * axes[b][2];
+                    for (std::size_t k = 0; k < 3; ++k) axes[a][k] -= along * axes[b][k];
+                }
+                const double length = std::hypot(axes[a][0], axes[a][1], axes[a][2]);
+                for (double& x : axes[a]) x /= length;
+                const double value = random.chance(0.5) ? bent.steepest * 0.999 : random.uniform(-2, bent.steepest);
+                for (std::size_t i = 0; i < 3; ++i)
+                    for (std::size_t j = 0; j < 3; ++j) bent.bend[i][j] += value * axes[a][i] * axes[a][j];
+            }
+            for (std::size_t i = 0; i < 3; ++i) {
+                double others = 0;
+                for (std::size_t j = 0; j < 3; ++j) {
+                    bent.largest = std::max(bent.largest, std::abs(bent.bend[i][j]));
+                    if (j != i) others += std::abs(bent.bend[i][j]);
+                }
+                bent.downward[i] = std::max(0.0, others - bent.bend[i][i]);
+            }
+            WeightTilt tilt{};
+            tilt.base = random.uniform(-3, 3);
+            for (int k = 0; k < 3; ++k) tilt.slope[k] = random.uniform(-3, 3), tilt.origin[k] = random.uniform(-1, 1);
+            const double noise = random.chance(0.5) ? 0 : random.uniform(0, 1), length = random.uniform(0, 1);
+            using Place = std::array<double, 3>;
+            const auto quadratic = [&](const Place& x) {
+                double sum = tilt.base;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    sum += tilt.slope[i] * (x[i] - tilt.origin[i]);
+                    for (std::size_t j = 0; j < 3; ++j)
+                        sum += bent.bend[i][j] * (x[i] - tilt.origin[i]) * (x[j] - tilt.origin[j]);
+                }
+                return sum;
+            };
+            std::array<Place, 4> home_seeds;
+            std::array<double, 4> home_weights{};
+            votess::Box home{{9, 9, 9}, {-9, -9, -9}};
+            tilt.least = infinity;
+            for (std::size_t s = 0; s < home_seeds.size(); ++s) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double x = home_seeds[s][k] = tilt.origin[k] + random.uniform(-0.4, 0.4);
+                    home.lower[k] = std::min(home.lower[k], x), home.upper[k] = std::max(home.upper[k], x);
+                }
+                const double rho = noise * random.uniform(-1, 1);
+                home_weights[s] = quadratic(home_seeds[s]) + rho;
+                tilt.least = std::min(tilt.least, rho - 1e-12);
+            }
+            BoxBlock block;
+            WeightBlock bounds;
+            std::array<bool, box_fan> must{};
+            for (std::size_t i = 0; i < box_fan; ++i) {
+                std::array<Place, 4> seeds;
+                std::array<double, 4> weights{};
+                Place center{}, least{9, 9, 9}, most{-9, -9, -9};
+                const double spread = random.chance(0.3) ? 0 : random.uniform(0, 2);
+                Place at;
+                for (double& x : at) x = random.uniform(-3, 3);
+                for (auto& x : seeds)
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        x[k] = at[k] + random.uniform(0, spread);
+                        least[k] = std::min(least[k], x[k]), most[k] = std::max(most[k], x[k]);
+                    }
+                for (std::size_t k = 0; k < 3; ++k) {
+                    block.lower[k][i] = least[k], block.upper[k][i] = most[k];
+                    center[k] = 0.5 * (least[k] + most[k]);
+                    bounds.slope[k][i] = tilt.slope[k] + random.uniform(-0.5, 0.5);
+                    for (std::size_t j = 0; j < 3; ++j)
+                        bounds.slope[k][i] += 2 * bent.bend[k][j] * (center[j] - tilt.origin[j]);
+                }
+                bounds.top[i] = -infinity;
+                for (std::size_t s = 0; s < seeds.size(); ++s) {
+                    weights[s] = quadratic(seeds[s]) + noise * random.uniform(-1, 1);
+                    double rest = weights[s];
+                    for (std::size_t k = 0; k < 3; ++k) rest -= bounds.slope[k][i] * (seeds[s][k] - center[k]);
+                    bounds.top[i] = std::max(bounds.top[i], rest + 1e-12);
+                    for (std::size_t p = 0; p < home_seeds.size(); ++p) {
+                        double square = 0, excess = weights[s] - home_weights[p];
+                        for (std::size_t k = 0; k < 3; ++k) {
+                            const double n = seeds[s][k] - home_seeds[p][k];
+                            square += n * n;
+                            excess -= tilt.slope[k] * n;
+                            for (std::size_t j = 0; j < 3; ++j)
+                                excess -= 2 * bent.bend[k][j] * (home_seeds[p][j] - tilt.origin[j]) * n;
+                        }
+                        must[i] = must[i] || square - 2 * length * std::sqrt(square) < excess - 1e-9;
+                    }
+                }
+            }
+            const std::size_t missing = random.below(box_fan);
+            if (random.chance(0.2)) {
+                must[missing] = false;
+                for (int k = 0; k < 3; ++k) block.lower[k][missing] = infinity, block.upper[k][missing] = -infinity;
+                bounds.top[missing] = -infinity;
+            }
+            test::for_each_set([&](const StarKernels& kernels) {
+                const unsigned near = near_bent(kernels.name)(block, bounds, home, tilt, bent, length);
+                for (std::size_t i = 0; i < box_fan; ++i) {
+                    if (must[i]) REQUIRE((near >> i & 1) == 1);
+                    if (block.lower[0][i] == infinity) REQUIRE((near >> i & 1) == 0);
+                    ((near >> i & 1) != 0 ? kept : dropped) += 1;
+                }
+            });
+        }
+        CHECK(kept > 5000);
+        CHECK(dropped > 5000);
     }
 
     TEST_CASE("star kernels: to_window selects, rounds and clamps") {
