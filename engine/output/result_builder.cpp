@@ -26,7 +26,7 @@ constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, s
 constexpr std::size_t min_segment = std::size_t{64} << 10, max_segment = std::size_t{8} << 20;
 constexpr std::size_t lookahead = 16;  // cells whose places are prefetched
 constexpr std::size_t fewest_in_parts = std::size_t{1} << 16;  // cells
-constexpr std::size_t pending_row = 42;  // bytes of a pending row in a part, which is usually a little less
+constexpr std::size_t pending_row = 46;  // bytes of a pending row in a part, which is usually a little less
 
 template <class Task>
 void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
@@ -85,9 +85,10 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     // Values of entries take more memory than the rows.
     has_parts_ = want.neighbors && !want.areas && !want.normals && count >= fewest_in_parts;
     part_bits_ = static_cast<int>(std::bit_width(ceil_div(std::max<std::size_t>(count, 1), max_parts) - 1));
-    for (Part& part : parts_) {
-        part.memory.reset(std::max(pending_row * count / max_parts, min_segment), &stock_);  // in one piece
-        part.blocks.clear();
+    for (std::size_t k = 0; k < max_parts; ++k) {
+        const std::size_t cells = std::min(count, (k + 1) << part_bits_) - std::min(count, k << part_bits_);
+        parts_[k].memory.reset(std::max(pending_row * cells, min_segment), &stock_);  // in one piece
+        parts_[k].blocks.clear();
     }
     counters_ = {};
     faces_.begin(0);
