@@ -52,7 +52,7 @@ void CpuEngine::clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock
     clipper_.sort();
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
-    lend(job);  // before the search structure takes more memory
+    lend(job);                        // before the search structure takes more memory
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are searched while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);

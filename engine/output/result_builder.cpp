@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t copied_block = 4096;  // cells
 constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, so that sums do not depend on threads
 constexpr std::size_t min_segment = std::size_t{64} << 10, max_segment = std::size_t{8} << 20;
-constexpr std::size_t lookahead = 16;  // cells whose places are prefetched
+constexpr std::size_t lookahead = 16;                          // cells whose places are prefetched
 constexpr std::size_t fewest_in_parts = std::size_t{1} << 16;  // cells
 constexpr std::size_t pending_row = 46;  // bytes of a pending row in a part, which is usually a little less
 
@@ -191,8 +191,7 @@ void ResultBuilder::add_rows_of_part(std::size_t part, std::span<const std::int3
     if (set_lengths(cells, lengths, near.steps.size() - cells.size())) bug("a row of a part is empty");
     Arena& memory = parts_[part].memory;
     const NearRows kept{keep_copy(near.steps, memory), keep_copy(near.others, memory), near.input};
-    const Block block{
-        .cells = keep_copy(cells, memory), .near = kept, .shifts = keep_copy(shifts, shifts_memory_)};
+    const Block block{.cells = keep_copy(cells, memory), .near = kept, .shifts = keep_copy(shifts, shifts_memory_)};
     const std::lock_guard lock(mutex_);
     parts_[part].blocks.push_back(block);
 }

@@ -164,7 +164,7 @@ private:
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
     bool settled_ = false;
     bool has_parts_ = false;
-    int part_bits_ = 0;  // of the cells of a part
+    int part_bits_ = 0;                                    // of the cells of a part
     std::size_t touched_cells_ = 0, touched_entries_ = 0;  // with pages made present
     double min_face_ = 0, min_area_ = 0;
     double box_volume_ = 0, scale_ = 1;
