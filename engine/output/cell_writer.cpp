@@ -407,15 +407,8 @@ void CellWriter::write_row() {
     Rows& rows = rows_of_cell();
     if (count > 0) write_steps(rows);
     if (want_.areas) {
-        // Powers of two, whose square may overflow.
-        constexpr double largest = 0x1p500;
-        const double unscale = unscale_of_cell(), square = unscale * unscale;
-        const double* const from = face_areas_.data() + hidden_;
-        double* const to = areas_.data() + begin;
-        const bool ordinary = square > 1 / largest && square < largest;
-        const double by = ordinary ? square : unscale;
-        for (std::size_t k = 0; k < count; ++k) to[k] = from[k] * by;
-        for (std::size_t k = 0; k < count && !ordinary; ++k) to[k] *= unscale;
+        const double unscale = unscale_of_cell();  // whose square may overflow
+        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * unscale * unscale;
     }
     if (want_.normals)
         for_listed([&](std::size_t f, std::size_t entry) {
