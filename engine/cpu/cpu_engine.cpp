@@ -30,6 +30,7 @@ void CpuEngine::lend(const Job& job) {
     // A mesh needs seeds in input order.
     if (job.snapshot != nullptr && !clipper_.reads_points() && !job.want.vertices) result_.lend(job.snapshot->memory());
     clipper_.lend_scratch(result_);
+    result_.release_spare();
     result_.touch(1, 0, clipper_.pool());
 }
 
@@ -49,6 +50,9 @@ void CpuEngine::clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock
     using Plan = KeptCells::Plan;
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
+    clock.enter(&StageSeconds::clip);
+    result_.begin(job, clipper_.pool());
+    lend(job);                        // before the search structure takes more memory
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are searched while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
@@ -56,8 +60,6 @@ void CpuEngine::clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock
         kept_.clear();
         plan = Plan::none;
     }
-    result_.begin(job, clipper_.pool());
-    lend(job);
     const auto store = [&] {
         kept_.begin(plan, job, clipper_.sorted(), clipper_.pool());
         clipper_.keep(&kept_);

@@ -404,9 +404,8 @@ class CellMeter {
 
     // Sums over planes, when the corners are summed.
     template <bool Weighted>
-    [[gnu::always_inline]] static bool sum_planes(CellShape& shape, const CornerOrder& order,
-                                                  const Center& center, double worst, Sums& sums, const Totals& totals,
-                                                  CellMeasures& out) {
+    [[gnu::always_inline]] static bool sum_planes(CellShape& shape, const CornerOrder& order, const Center& center,
+                                                  double worst, Sums& sums, const Totals& totals, CellMeasures& out) {
         constexpr double smallest_volume = 1e-140;  // no product of six leaves the range
         Lanes volumes{}, moment{};
         for (int p = 0; p < shape.planes; p += 4) {

@@ -63,14 +63,11 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span
     const Box& box = domain_->box;
     const Vector3 diagonal = minus(box.upper, box.lower);
     tally_.begin(4 * dot(diagonal, diagonal));
-    near_rows_.clear();
-    entries_ = 0;
-    shifts_.clear();
-    listed_rows_ = 0;
+    in_parts_ = out.has_parts();
+    clear_rows();
     // As long as in an earlier job.
     if (want_.areas) areas_.resize_uninitialized(room_);
     if (want_.normals) normals_.resize_uninitialized(3 * room_);
-    lengths_.clear();
     polygon_writer_.clear();
 }
 
@@ -84,7 +81,8 @@ void CellWriter::prefetch(std::size_t seed) const {
 }
 
 void CellWriter::skip_row() {
-    lengths_.push_back(0);
+    ++written_;
+    if (!in_parts_) rows_[0].lengths.push_back(0);
     if (want_.vertices) polygon_writer_.append_none();
 }
 
@@ -406,7 +404,8 @@ void CellWriter::write_row() {
         for (std::size_t f = 0; f < faces; ++f)
             if (ranks_[f] >= hidden_) visit(f, begin + ranks_[f] - hidden_);
     };
-    if (count > 0) write_steps();
+    Rows& rows = rows_of_cell();
+    if (count > 0) write_steps(rows);
     if (want_.areas) {
         const double unscale = unscale_of_cell();  // whose square may overflow
         for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * unscale * unscale;
@@ -417,17 +416,20 @@ void CellWriter::write_row() {
         });
     if (shifted_)
         for_listed([&](std::size_t f, std::size_t entry) {
-            RowShift kept{listed_rows_, static_cast<std::uint32_t>(entry - begin), {}};
+            RowShift kept{rows.listed, static_cast<std::uint32_t>(entry - begin), {}};
             narrow(shift_of(f), kept.shift.data());
-            if (kept.shift != std::array<std::int8_t, 3>{}) shifts_.push_back(kept);
+            if (kept.shift != std::array<std::int8_t, 3>{}) rows.shifts.push_back(kept);
         });
-    listed_rows_ += count > 0 ? 1 : 0;
+    ++written_;
     entries_ += count;
-    lengths_.push_back(static_cast<std::uint32_t>(count));
+    rows.listed += count > 0 ? 1 : 0;
+    if (in_parts_ && count == 0) return;
+    rows.lengths.push_back(static_cast<std::uint32_t>(count));
+    if (in_parts_) rows.cells.push_back(static_cast<std::int32_t>(output_));
 }
 
 // The row of a probe counts from one of its neighbors.
-void CellWriter::write_steps() {
+void CellWriter::write_steps(Rows& rows) {
     const std::size_t faces = ranked_ids_.size();
     const auto is_seed = [this](std::int32_t id) { return id >= 0 && id != probe_id_; };
     const auto place_of = [this](std::int32_t id) { return seeds_.images == nullptr ? id : seeds_.images->home(id); };
@@ -436,7 +438,7 @@ void CellWriter::write_steps() {
         const auto first = std::ranges::find_if(ranked_ids_, is_seed);
         place = first == ranked_ids_.end() ? 0 : place_of(*first);
     }
-    std::int16_t* const row = near_rows_.add_row(place, faces - hidden_);
+    std::int16_t* const row = rows.near.add_row(place, faces - hidden_);
     if (wall_faces_ == 0 && !shifted_) {
         const std::int32_t* const ids = ranked_ids_.data();
         const std::uint32_t* const ranks = ranks_.data();
@@ -455,7 +457,7 @@ void CellWriter::write_steps() {
         const std::int32_t id = ranked_ids_[f];
         const std::int16_t step = is_seed(id) ? NearWriter::step(place_of(id) - place) : NearRows::far;
         row[rank - hidden_] = step;
-        if (step == NearRows::far) near_rows_.add_other(names_[f]);
+        if (step == NearRows::far) rows.near.add_other(names_[f]);
     }
 }
 
@@ -471,21 +473,27 @@ void CellWriter::write_polygons() {
     polygon_writer_.append(polygons_, labels_, order_, hidden_, place());
 }
 
+void CellWriter::clear_rows() {
+    for (Rows& rows : rows_) rows.clear();
+    entries_ = written_ = 0;
+}
+
 void CellWriter::end_rows(std::span<const std::int32_t> cells) {
     const auto of = [this](const auto& values, bool wanted, std::size_t each) {
         return std::span(values.data(), wanted ? each * entries_ : 0);
     };
-    out_->add_rows(cells, lengths_, near_rows_.rows(seeds_.input.data()),
-                   {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), {}}, shifts_);
-    near_rows_.clear();
-    entries_ = 0;
-    shifts_.clear();
-    listed_rows_ = 0;
-    lengths_.clear();
+    const auto near = [this](const Rows& rows) { return rows.near.rows(seeds_.input.data()); };
+    if (!in_parts_)
+        out_->add_rows(cells, rows_[0].lengths, near(rows_[0]),
+                       {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), {}}, rows_[0].shifts);
+    for (std::size_t part = 0; part < rows_.size() && in_parts_; ++part)
+        if (const Rows& rows = rows_[part]; !rows.cells.empty())
+            out_->add_rows_of_part(part, rows.cells, rows.lengths, near(rows), rows.shifts);
+    clear_rows();
 }
 
 void CellWriter::end_block(std::span<const std::int32_t> cells) {
-    end_rows(cells.last(lengths_.size()));
+    end_rows(cells.last(written_));
     if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
     polygon_writer_.clear();
 }

@@ -2,6 +2,7 @@
 // One for each thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -72,7 +73,7 @@ public:
     // Stores the rows since the last call. They stay in the cache until then if they are few.
     static constexpr std::size_t few_rows = 4096;
     void end_rows(std::span<const std::int32_t> cells);
-    [[nodiscard]] std::size_t rows() const { return lengths_.size(); }
+    [[nodiscard]] std::size_t rows() const { return written_; }
     // Stores the remaining rows of a block, and the mesh of all its cells. cells: as in ResultBuilder::add_rows.
     void end_block(std::span<const std::int32_t> cells);
 
@@ -90,6 +91,22 @@ private:
         probe_ = nullptr;
     }
     void set_output(std::size_t output, const Probe& probe);
+    struct Rows {
+        NearWriter near;
+        std::vector<std::uint32_t> lengths;
+        std::vector<RowShift> shifts;
+        std::uint32_t listed = 0;         // rows that have entries
+        std::vector<std::int32_t> cells;  // of a part
+        void clear() {
+            near.clear();
+            lengths.clear();
+            shifts.clear();
+            listed = 0;
+            cells.clear();
+        }
+    };
+    // Where the row of the current cell goes.
+    [[nodiscard]] Rows& rows_of_cell() { return rows_[in_parts_ ? out_->part_of(output_) : 0]; }
     [[nodiscard]] bool write(Star& star);
     void write(Cell& cell);
     void write_empty() {
@@ -120,8 +137,9 @@ private:
     [[nodiscard]] exact::Shift shift_of(std::size_t face) const;
     // Writes in the order of rank_faces(). face_normals_ is in the order of the faces.
     void write_row();
-    void write_steps();
+    void write_steps(Rows& rows);
     void grow(std::size_t entries);
+    void clear_rows();
     void write_polygons();
 
     const SortedSeeds& seeds_;
@@ -137,12 +155,11 @@ private:
     double unscale_ = 1;
     CellCounters counters_;
     FaceTally tally_;
-    NearWriter near_rows_;
-    std::size_t entries_ = 0, room_ = 0;  // of the rows; arrays below have room for so many
+    bool in_parts_ = false;
+    std::array<Rows, ResultBuilder::max_parts> rows_;  // since end_rows(): by part, or all in the first
+    std::size_t written_ = 0;                          // cells since then
+    std::size_t entries_ = 0, room_ = 0;               // of the rows; arrays below have room for so many
     Buffer<double> areas_, normals_;
-    std::vector<RowShift> shifts_;
-    std::uint32_t listed_rows_ = 0;  // rows that have entries
-    std::vector<std::uint32_t> lengths_;
     PolygonWriter polygon_writer_;
     KeptCells* kept_ = nullptr;
     unsigned worker_ = 0;  // of kept_

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -23,7 +24,9 @@ namespace {
 constexpr std::size_t copied_block = 4096;  // cells
 constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, so that sums do not depend on threads
 constexpr std::size_t min_segment = std::size_t{64} << 10, max_segment = std::size_t{8} << 20;
-constexpr std::size_t lookahead = 16;  // cells whose places are prefetched
+constexpr std::size_t lookahead = 16;                          // cells whose places are prefetched
+constexpr std::size_t fewest_in_parts = std::size_t{1} << 16;  // cells
+constexpr std::size_t pending_row = 46;  // bytes of a pending row in a part, which is usually a little less
 
 template <class Task>
 void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
@@ -79,6 +82,14 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     stock_.clear();
     for (auto* memory : {&cells_memory_, &ids_memory_, &areas_memory_, &normals_memory_, &shifts_memory_})
         memory->reset(std::clamp(8 * count, min_segment, max_segment), &stock_);
+    // Values of entries take more memory than the rows.
+    has_parts_ = want.neighbors && !want.areas && !want.normals && count >= fewest_in_parts;
+    part_bits_ = static_cast<int>(std::bit_width(ceil_div(std::max<std::size_t>(count, 1), max_parts) - 1));
+    for (std::size_t k = 0; k < max_parts; ++k) {
+        const std::size_t cells = std::min(count, (k + 1) << part_bits_) - std::min(count, k << part_bits_);
+        parts_[k].memory.reset(std::max(pending_row * cells, min_segment), &stock_);  // in one piece
+        parts_[k].blocks.clear();
+    }
     counters_ = {};
     faces_.begin(0);
     scale_ = job.scale;
@@ -169,6 +180,24 @@ void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<cons
     const bool gaps = set_lengths(cells, lengths, entries);
     const NearRows kept{keep_copy(near.steps, ids_memory_), keep_copy(near.others, ids_memory_), near.input};
     push(cells, lengths, {.near = kept, .shifts = keep_copy(shifts, shifts_memory_)}, values, gaps);
+}
+
+void ResultBuilder::add_rows_of_part(std::size_t part, std::span<const std::int32_t> cells,
+                                     std::span<const std::uint32_t> lengths, const NearRows& near,
+                                     std::span<const RowShift> shifts) {
+    if (near.steps.size() < cells.size()) bug("rows and their lengths differ in size");
+    for (const std::int32_t cell : cells)
+        if (part_of(static_cast<std::uint32_t>(cell)) != part) bug("a row is in another part than its cell");
+    if (set_lengths(cells, lengths, near.steps.size() - cells.size())) bug("a row of a part is empty");
+    Arena& memory = parts_[part].memory;
+    const NearRows kept{keep_copy(near.steps, memory), keep_copy(near.others, memory), near.input};
+    const Block block{.cells = keep_copy(cells, memory), .near = kept, .shifts = keep_copy(shifts, shifts_memory_)};
+    const std::lock_guard lock(mutex_);
+    parts_[part].blocks.push_back(block);
+}
+
+void ResultBuilder::release_spare() {
+    if (has_parts_) stock_.shrink(pending_row * result_.status.size());
 }
 
 void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
@@ -353,19 +382,56 @@ void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& poo
     if (want_normals_) place_values(&Block::normals, normals_memory_, result_.face_normals, 3, pool);
     if (want_areas_) place_values(&Block::areas, areas_memory_, result_.face_areas, 1, pool);
     if (want_shifts_) place_shifts(pool);
-    make_room(result_.indices, 1, true, pool);
+    if (has_parts_)
+        place_ids_of_parts(pool);
+    else
+        make_room(result_.indices, 1, true, pool);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_ids(blocks_[index]); });
 }
 
 template <class T>
-bool ResultBuilder::make_room(Buffer<T>& array, std::size_t components, bool is_last, ThreadPool& pool) {
+bool ResultBuilder::make_array(Buffer<T>& array, std::size_t components) {
     const std::size_t size = components * static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
     const bool is_new = size > array.capacity();
     array.resize_uninitialized(size);
-    if (is_new) stock_.move_to(array.memory());
-    if (is_last) stock_.release();
-    array.touch(is_new ? 0 : std::min(size, components * touched_entries_), size, pool);
     return is_new;
+}
+
+template <class T>
+void ResultBuilder::make_present(Buffer<T>& array, std::size_t components, bool is_new, std::size_t begin,
+                                 std::size_t end, bool is_last, ThreadPool& pool) {
+    const std::size_t first = components * std::max(begin, is_new ? 0 : touched_entries_), last = components * end;
+    if (is_new && first < last) {
+        // With the rest of its last huge page, where the next part begins.
+        const std::span<std::byte> all = array.memory();
+        const std::size_t from = sizeof(T) * first, to = sizeof(T) * last;
+        const std::size_t rest = -reinterpret_cast<std::uintptr_t>(all.data() + to) % system::huge_page;
+        stock_.move_to(all.subspan(from, std::min(to + rest, all.size()) - from), all.size());
+    }
+    if (is_last) stock_.release();
+    if (first < last) array.touch(first, last, pool);
+}
+
+template <class T>
+bool ResultBuilder::make_room(Buffer<T>& array, std::size_t components, bool is_last, ThreadPool& pool) {
+    const bool is_new = make_array(array, components);
+    make_present(array, components, is_new, 0, array.size() / components, is_last, pool);
+    return is_new;
+}
+
+void ResultBuilder::place_ids_of_parts(ThreadPool& pool) {
+    const std::size_t count = result_.status.size();
+    const bool is_new = make_array(result_.indices, 1);
+    for (auto& part : parts_) part.memory.give_rest();
+    for (std::size_t k = 0; k < max_parts; ++k) {
+        const auto begin_of = [&](std::size_t part) {
+            return static_cast<std::size_t>(result_.indptr[std::min(count, part << part_bits_)]);
+        };
+        make_present(result_.indices, 1, is_new, begin_of(k), begin_of(k + 1), k + 1 == max_parts, pool);
+        const auto& blocks = parts_[k].blocks;
+        pool.run(blocks.size(), [&](std::size_t index, unsigned) { place_ids(blocks[index]); });
+        parts_[k].memory.give_all();
+    }
 }
 
 void ResultBuilder::place_values(std::span<const double> Block::*values, Arena& memory, Buffer<double>& array,
@@ -387,16 +453,20 @@ void ResultBuilder::place_shifts(ThreadPool& pool) {
     for_blocks(pool, shifts.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         std::fill(shifts.data() + begin, shifts.data() + end, std::int8_t{0});
     });
-    pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
-        const Block& block = blocks_[index];
-        for (const RowShift& kept : block.shifts) {
-            if (kept.row >= block.cells.size()) bug("a shift is of no row");
-            const auto cell = static_cast<std::size_t>(block.cells[kept.row]);
-            const std::int64_t entry = result_.indptr[cell] + kept.entry;
-            if (entry >= result_.indptr[cell + 1]) bug("a shift is of no entry of its row");
-            std::ranges::copy(kept.shift, shifts.data() + 3 * entry);
-        }
-    });
+    const auto place = [&](const std::vector<Block>& blocks) {
+        pool.run(blocks.size(), [&](std::size_t index, unsigned) {
+            const Block& block = blocks[index];
+            for (const RowShift& kept : block.shifts) {
+                if (kept.row >= block.cells.size()) bug("a shift is of no row");
+                const auto cell = static_cast<std::size_t>(block.cells[kept.row]);
+                const std::int64_t entry = result_.indptr[cell] + kept.entry;
+                if (entry >= result_.indptr[cell + 1]) bug("a shift is of no entry of its row");
+                std::ranges::copy(kept.shift, shifts.data() + 3 * entry);
+            }
+        });
+    };
+    place(blocks_);
+    for (const Part& part : parts_) place(part.blocks);
 }
 
 // Turns lengths into the beginnings of rows.

@@ -41,6 +41,9 @@ struct RowShift {
 
 class ResultBuilder {
 public:
+    // The most parts of the cells whose rows are placed one part after the other.
+    static constexpr std::size_t max_parts = 4;
+
     // Sizes the arrays that the job requests, in the memory of job.arrays if any. Sets every cell to certified with an
     // empty row. The other arrays are not initialized: the engine writes them for each cell except duplicates.
     void begin(const Job& job, ThreadPool& pool);
@@ -68,6 +71,15 @@ public:
     // that are not 0, instead of values.shifts.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, const NearRows& near,
                   const RowValues& values = {}, std::span<const RowShift> shifts = {});
+    // Large lists are placed in parts: the memory of one part's pending rows becomes that of the next part's entries.
+    // Whether there are parts, and the part of a cell.
+    [[nodiscard]] bool has_parts() const { return has_parts_; }
+    [[nodiscard]] std::size_t part_of(std::size_t cell) const { return cell >> part_bits_; }
+    // Adds rows of cells of one part, copying `cells` too. No row has length 0. shifts: those that are not 0.
+    void add_rows_of_part(std::size_t part, std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                          const NearRows& near, std::span<const RowShift> shifts);
+    // Returns lent memory to the system that parts do not need.
+    void release_spare();
     // Copies `cells` too, and cuts into blocks. From any thread.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                    std::span<const std::int32_t> ids, const RowValues& values = {});
@@ -123,8 +135,15 @@ private:
     // Makes their pages present up to this entry.
     void touch_entries(std::size_t end, ThreadPool& pool);
     void sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool);
-    // Sizes an array of rows, with pages of the stock if it is new, and makes all of its pages present. components: of
-    // an entry. Returns whether it is new.
+    // Sizes an array of rows. components: of an entry. Returns whether it is new.
+    template <class T>
+    bool make_array(Buffer<T>& array, std::size_t components);
+    // Makes its pages from one entry to another present, with pages of the stock if it is new. is_last: nothing else
+    // needs the stock.
+    template <class T>
+    void make_present(Buffer<T>& array, std::size_t components, bool is_new, std::size_t begin, std::size_t end,
+                      bool is_last, ThreadPool& pool);
+    // Both, for all entries.
     template <class T>
     bool make_room(Buffer<T>& array, std::size_t components, bool is_last, ThreadPool& pool);
     // Calls place(begin, length) for the rows of a block: their entries in the result. Prefetches those of `array`.
@@ -134,6 +153,7 @@ private:
                       std::size_t components, ThreadPool& pool);
     void place_shifts(ThreadPool& pool);
     void place_ids(const Block& block);
+    void place_ids_of_parts(ThreadPool& pool);
     // Copies `count` entries, one or more rows.
     void copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
                       std::size_t count);
@@ -143,6 +163,8 @@ private:
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
     bool settled_ = false;
+    bool has_parts_ = false;
+    int part_bits_ = 0;                                    // of the cells of a part
     std::size_t touched_cells_ = 0, touched_entries_ = 0;  // with pages made present
     double min_face_ = 0, min_area_ = 0;
     double box_volume_ = 0, scale_ = 1;
@@ -151,6 +173,11 @@ private:
     PageStock stock_;
     Arena cells_memory_, ids_memory_, areas_memory_, normals_memory_, shifts_memory_;
     std::vector<Block> blocks_;
+    struct Part {
+        Arena memory;  // of ids and cells
+        std::vector<Block> blocks;
+    };
+    std::array<Part, max_parts> parts_;
     CellCounters counters_;
     FaceTally faces_;
     MeshBuilder mesh_;
