@@ -265,26 +265,24 @@ constexpr std::array<SurfaceFormat, 10> surface_formats{{{".off", parse_off},
                                                          {".geojsons", parse_geojson_sequence, true},
                                                          {".geojsonseq", parse_geojson_sequence, true}}};
 
-const SurfaceFormat* find_format(const std::string& path) {
+const SurfaceFormat& find_format(const std::string& option, const std::string& path) {
     const auto* const format = std::ranges::find(surface_formats, extension_of(path), &SurfaceFormat::extension);
-    return format == surface_formats.end() ? nullptr : format;
+    if (format == surface_formats.end())
+        throw bad_input(
+            option + " " + in_quotes(path) +
+            ": known are .off .obj .stl .ply .glb, and for --2d .geojson .geojsonl: convert it, for example with " +
+            "trimesh, PyVista or Blender");
+    return *format;
 }
 
 }  // namespace
 
-bool holds_polygons(const std::string& path) {
-    const SurfaceFormat* const format = find_format(path);
-    return format && format->planar;
+bool holds_polygons(const std::string& option, const std::string& path) {
+    return find_format(option, path).planar;
 }
 
 Surface read_surface(const std::string& option, const std::string& path) {
-    const SurfaceFormat* const format = find_format(path);
-    if (!format)
-        throw bad_input(
-            option + " " + in_quotes(path) +
-            ": known are .off .obj .stl .ply .glb, and with --2d .geojson .geojsonl: convert it, for example with " +
-            "trimesh, PyVista or Blender");
-    return format->parse(read_whole(path), path);
+    return find_format(option, path).parse(read_whole(path), path);
 }
 
 }  // namespace clvotess

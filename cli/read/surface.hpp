@@ -47,8 +47,8 @@ private:
     std::int64_t max_vertex_ = -1, face_of_max_ = 0;  // of all faces
 };
 
-// Returns whether the file holds polygons of the plane, by its extension.
-[[nodiscard]] bool holds_polygons(const std::string& path);
+// Returns whether the file holds polygons of the plane, by its extension. Throws Failure for an unknown one.
+[[nodiscard]] bool holds_polygons(const std::string& option, const std::string& path);
 // Returns the mesh of a file with one of these extensions. Throws Failure.
 [[nodiscard]] Surface read_surface(const std::string& option, const std::string& path);
 

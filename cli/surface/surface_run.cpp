@@ -318,7 +318,7 @@ void refuse_beside_surface(const Arguments& arguments) {
 
 void read_surface_options(const Typed& typed, Arguments& arguments) {
     arguments.surface_file = *typed.value("--surface");
-    if (arguments.surface_file.empty() || holds_polygons(arguments.surface_file))
+    if (arguments.surface_file.empty() || holds_polygons("--surface", arguments.surface_file))
         throw bad_input("--surface is " + in_quotes(arguments.surface_file) +
                         ": give a triangle mesh in .off, .obj, .ply, .stl or .glb");
     if (const std::string* count = typed.value("--remesh")) {

@@ -81,11 +81,10 @@ VOTESS_API votess_status votess_frame_cells_array(const votess_frame_cells* cell
 // centroids, face_areas: its derivatives by these arrays of the cells, and as long; or NULL, 0. So it is a
 // vector-Jacobian product. Those for centroids need volumes in `want` too; they are ignored where a point has no cell.
 // The derivatives are in closed form, on the device, and usually right to 1e-5 of the largest one. Narrow cells of
-// clusters lose digits, and cells far from their seeds in a power diagram. Vectors for areas are refused where a cell
-// meets two of its own images at an edge; where more than three cells meet at others, as in a lattice, areas have no
-// derivative, and what is returned differs from one side to the other. Points without a cell have 0. Box, walls and
-// the vectors of a periodic domain are fixed. Without weights, by_weights is the derivative at weights of 0. Refused
-// while cells are unresolved.
+// clusters lose digits, and cells far from their seeds in a power diagram. Where more than three cells meet at an edge,
+// as in a lattice, areas have no derivative unless all are images of one point, and what is returned differs from one
+// side to the other. Points without a cell have 0. Box, walls and the vectors of a periodic domain are fixed. Without
+// weights, by_weights is the derivative at weights of 0. Refused while cells are unresolved.
 VOTESS_API votess_status votess_frames_vjp(votess_frames* frames, const float* volumes, const double* centroids,
                                            const float* face_areas, double* by_points, double* by_weights);
 

@@ -12,7 +12,9 @@
 // Areas: L is the sum of A times what is given for both entries of a face. Faces change by the motion of their edges.
 // The edge of faces a and b, along t = n_a x n_b, moves by v (y.d + w/2), where n_a.v = n_b.v = 1, and n_b.v = 0 where b
 // is a wall. Three faces meet there: a, b, and that of the two neighbors. Each grows by the part of this along its
-// outward normal in its plane: those of t x n_a, n_b x t and t x (n_b - n_a).
+// outward normal in its plane: those of t x n_a, n_b x t and t x (n_b - n_a). Where both neighbors are images of the seed
+// itself, all cells at the edge move together, and it moves by d. There may be four of them, as in a box with right angles.
+// Each is once the cell here, and adds half of the growth of its two faces at the edge.
 //
 // Lengths are in units of the cell: powers of two, near the distance of a neighbor. All numbers are float64: float32
 // loses the edges of narrow cells.
@@ -42,6 +44,7 @@ layout(std430, binding = BINDING_GRADIENT) writeonly buffer Gradient { uint grad
 const uint lanes = GRADIENT_LANES, shared_planes = 128u;
 const double beyond_all = 1.0e30LF;
 const double parallel = 1.0e-24LF;  // squared sine of an angle below which planes have no edge
+const double one_edge = 1.0e-10LF;  // of planes whose distance or angle is less, relative to the cell
 
 struct Plane {
     dvec3 n;
@@ -50,7 +53,7 @@ struct Plane {
 
 shared Plane stored[shared_planes];
 shared double sums[4u * lanes];
-shared uint is_unknown;  // 1: the driver ended loops early, or more than three cells may meet at an edge
+shared uint is_unknown;  // 1: the driver ended loops early
 
 uint cell;
 uint first, neighbors;  // entries of the row that are seeds: its faces 0, 1, ...; walls are planes behind them
@@ -167,12 +170,25 @@ double given_area(uint row, int id, uint shift) {
     return 0.0LF;
 }
 
+// Returns whether no other plane through the edge of two faces takes the place of one of them. t: along the edge.
+bool both_have_the_edge(uint face, uint other, Plane a, Plane b, dvec3 t, dvec3 begin) {
+    for (uint i = 0u; i < planes; ++i) {
+        if (i == face || i == other) continue;
+        const Plane c = plane_at(i);
+        const double size = length(c.n);
+        if (abs(dot(c.n, t)) > one_edge * size * length(t) || abs(c.h - dot(c.n, begin)) > one_edge * size) continue;
+        // c.n is a sum of multiples of a.n and b.n. If both are positive, c only touches the cell.
+        if (min(dot(cross(c.n, b.n), t), dot(cross(a.n, c.n), t)) < -one_edge * dot(t, t)) return false;
+    }
+    return true;
+}
+
 // Adds the growth of the three faces at an edge. t: along it.
 void add_edge(uint face, uint other, Plane a, Plane b, dvec3 t, dvec3 begin, dvec3 end) {
     const bool is_wall = other >= neighbors;
     const uint seed = seed_of(face), shift = shift_of(face);
-    // In a box with right angles a cell and three of its images meet at an edge, and all move together.
-    if (!is_wall && seed == cell && seed_of(other) == cell) is_unknown = 1u;
+    const bool all_move = !is_wall && seed == cell && seed_of(other) == cell;
+    if (all_move && !both_have_the_edge(face, other, a, b, t, begin)) return;
     double of_a = double(given_areas[first + face]) + given_area(seed, int(cell), minus_shift(0u, shift)), of_b, of_both;
     if (is_wall) {
         const int id = -1 - int(wall_number(other - neighbors));
@@ -186,6 +202,10 @@ void add_edge(uint face, uint other, Plane a, Plane b, dvec3 t, dvec3 begin, dve
     }
     const dvec3 from_a = cross(t, a.n), from_b = cross(b.n, t);
     dvec3 growth = from_a * (of_a / length(a.n)) + from_b * (of_b / length(b.n));
+    if (all_move) {
+        by_point += growth * (0.5LF * length_of_unit * length(end - begin) / length(t));
+        return;
+    }
     // The face of the two neighbors, or beyond a wall, of which it is a part, the neighbor's.
     growth -= is_wall ? from_b * (of_both / length(b.n)) : (from_a + from_b) * (of_both / length(b.n - a.n));
     const double squared = dot(t, t), both = dot(a.n, b.n), square_a = dot(a.n, a.n), square_b = dot(b.n, b.n);

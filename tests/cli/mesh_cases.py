@@ -304,6 +304,9 @@ class GeojsonFiles(ReaderTest):
         self.put("cube.off", "OFF\n0 0 0\n")
         self.refuse("--random", "50", "--mesh", "cube.off", "-o", "b.geojson", says="holds polygons: add --mesh FILE.geojson")
         self.refuse("--random", "50", "--2d", "--mesh", "cube.off", says="--mesh cube.off needs three dimensions")
+        for options in ([], ["--2d"]):
+            self.refuse("--random", "50", "--mesh", "a.vtu", *options, says=": known are .off .obj .stl .ply .glb, and "
+                                                                           "for --2d .geojson .geojsonl")
         for text, message in (("[1", "a.geojson"), ("{}", "the type none"),
                               ('{"type": "Point", "coordinates": [0, 0]}', 'the type "Point": give polygons'),
                               ('{"type": "Polygon"}', 'no "coordinates"'), ('{"type": "FeatureCollection"}', 'no "features"'),

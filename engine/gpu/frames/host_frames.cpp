@@ -124,16 +124,9 @@ void HostFrames::vjp(const detail::FrameVectors& given, double* by_points, doubl
     const auto unknown = std::ranges::find_if(found.first(3 * count_), is_unknown) - found.begin();
     if (static_cast<std::size_t>(unknown) < 3 * count_) {
         const auto point = static_cast<std::size_t>(unknown) / 3;
-        const std::span<const std::int32_t> row(&rows.indices[static_cast<std::size_t>(rows.indptr[point])],
-                                                static_cast<std::size_t>(rows.indptr[point + 1] - rows.indptr[point]));
-        if (std::ranges::count(row, static_cast<std::int32_t>(point)) > 2)
-            throw Error(ErrorCode::unsupported,
-                        "the cell of point " + std::to_string(point) +
-                            " meets its own images at an edge, where gradients by areas are unknown: leave vectors for "
-                            "areas out, or use tessellate() and its derivatives");
         throw Error(ErrorCode::unsupported,
                     "the driver of " + device_->adapter().name + " ended the loops for point " + std::to_string(point) +
-                        " early, whose cell has " + std::to_string(row.size()) +
+                        " early, whose cell has " + std::to_string(rows.indptr[point + 1] - rows.indptr[point]) +
                         " entries in its row: no gradient on this device, use tessellate() and its derivatives");
     }
     std::ranges::copy(found.first(3 * count_), by_points);
