@@ -212,10 +212,11 @@ VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, c
     }
 }
 
-// Writes -1 for boxes that may hold a seed whose plane is nearer than `length` to a moved seed of the home, 0 for others.
+// Writes -1 for boxes that may hold a seed whose plane is nearer than `length` to a moved seed of the home, 0 for
+// others.
 //
-// With n from a seed of the home to one of the box, A = 1 - bend and the difference d of their rho, that takes n.A.n - 2
-// length |n| < d. As 2 |n| <= n^2 / far + far, n.B.n - length far < d with B = A - length / far, which is convex. So
+// With n from a seed of the home to one of the box, A = 1 - bend and the difference d of their rho, that takes n.A.n -
+// 2 length |n| < d. As 2 |n| <= n^2 / far + far, n.B.n - length far < d with B = A - length / far, which is convex. So
 // n.B.n >= 2 n.B.m - m.B.m for any m, and least at a corner of the box. m is about where n.A.n is least.
 VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
                                    const WeightBend& bent, double length, Long4 (&out)[2]) {
@@ -223,8 +224,8 @@ VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, cons
     constexpr double rounding = 1e-12;
     const double least_far = length / (1 - bent.steepest) * (1 + 1e-6);
     for (int i = 0; i < box_fan; i += 4) {
-        Lanes y[3], half[3], near[3], end[3], m[3], across{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base,
-                                                     size;
+        Lanes y[3], half[3], near[3], end[3], m[3], across{},
+            excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size;
         absolute(excess, size);
         for (int k = 0; k < 3; ++k) {
             const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),

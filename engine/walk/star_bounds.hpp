@@ -93,9 +93,9 @@ inline double weight_rounding(double span, double tilt, double extent) {
     return 1.01 * (3 * float_unit * span + 8 * unit * (span + 8 * tilt * extent)) + image_step * tilt;
 }
 
-// Returns the error of turn.N / 2 in h, where a seed's own tilt differs from the window's by turn / 2. N is off by q and
-// e |N|, turn by e, its three products and sums with residuals round 3 e |turn||N| more. What they round of residuals
-// fits into weight_rounding().
+// Returns the error of turn.N / 2 in h, where a seed's own tilt differs from the window's by turn / 2. N is off by q
+// and e |N|, turn by e, its three products and sums with residuals round 3 e |turn||N| more. What they round of
+// residuals fits into weight_rounding().
 inline double turn_rounding(double turn, double longest) {
     return 1.01 * (4 * float_unit * turn * longest + 0.5 * quantum * turn);
 }

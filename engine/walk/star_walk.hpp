@@ -40,7 +40,7 @@ private:
     static constexpr double allowed_misses = 0.35;    // searches for a cell
     // Of the reach, and of the bend of the weights: less is not worth the tests.
     static constexpr double min_turned = 0.15, min_steepest = 0.5;
-    static constexpr int max_candidates = 160;        // at first; leaves room for others
+    static constexpr int max_candidates = 160;  // at first; leaves room for others
     static constexpr int enough_candidates = 80;
     static constexpr int crowded = 192;               // more candidates leave too little room for a search
     static constexpr double near_share = 0.6;         // of the squared reach
@@ -208,9 +208,7 @@ private:
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2, double length2);
     void find_sure_images();
     // Of a vertex from a seed of the home that is moved by the home's tilt, within the reach of the window.
-    [[nodiscard]] double home_length() const {
-        return 0.5 * window_.reach() + (is_bent_ ? bent_.most_turned : 0);
-    }
+    [[nodiscard]] double home_length() const { return 0.5 * window_.reach() + (is_bent_ ? bent_.most_turned : 0); }
     [[nodiscard]] double sure_image_reach() const { return 2 * std::max(0.0, sure_images_ - turned_); }
     [[nodiscard, gnu::noinline]] double sure_without_images(const Box& home, double length);
     [[nodiscard]] bool any_missing_image(const Ball& ball, double length);
@@ -388,12 +386,12 @@ private:
     WeightTilt own_tilt_{};    // the same, for the seed alone
     bool is_bent_ = false;     // how the slope changes around the home is known
     Window::Bent bent_{};
-    Four turn_{};              // slope of own_tilt_ less that of tilt_
-    double turned_ = 0;        // half of its length
-    Four move_{};              // a, in window units
-    double tilt_length_ = 0;   // |a|
+    Four turn_{};             // slope of own_tilt_ less that of tilt_
+    double turned_ = 0;       // half of its length
+    Four move_{};             // a, in window units
+    double tilt_length_ = 0;  // |a|
     double home_tilt_length_ = 0;
-    double sure_images_ = 0;   // no missing image cuts off a vertex of the home that is nearer to its moved seed
+    double sure_images_ = 0;  // no missing image cuts off a vertex of the home that is nearer to its moved seed
     bool sure_images_known_ = false;
     Box sure_box_{};        // of the home, for which it is found when a vertex needs it
     float own_weight_ = 0;  // in the window

@@ -95,7 +95,8 @@ void StarWalk<Isa>::find_tilt(std::size_t home, const Box& box) {
     tilt_.base = lightest_ = seeds_.weights[begin];
     tilt_.least = 0;
     for (std::size_t s = begin; s < end; ++s) {
-        tilt_.least = std::min(tilt_.least, least_residual(tilt_, seeds_.weights[s], {seeds_.x[s], seeds_.y[s], seeds_.z[s]}));
+        tilt_.least =
+            std::min(tilt_.least, least_residual(tilt_, seeds_.weights[s], {seeds_.x[s], seeds_.y[s], seeds_.z[s]}));
         lightest_ = std::min(lightest_, seeds_.weights[s]);
     }
     if (is_bent_) lay_bend(home);
@@ -104,8 +105,7 @@ void StarWalk<Isa>::find_tilt(std::size_t home, const Box& box) {
 // Returns |a|.
 template <class Isa>
 double StarWalk<Isa>::length_of(const WeightTilt& tilt) {
-    const double square =
-        tilt.slope[0] * tilt.slope[0] + tilt.slope[1] * tilt.slope[1] + tilt.slope[2] * tilt.slope[2];
+    const double square = tilt.slope[0] * tilt.slope[0] + tilt.slope[1] * tilt.slope[1] + tilt.slope[2] * tilt.slope[2];
     return 0.5 * std::sqrt(square) * (1 + 8 * unit);
 }
 
@@ -117,7 +117,7 @@ template <class Isa>
 bool StarWalk<Isa>::find_bend(std::size_t home) {
     constexpr std::size_t homes_around = 6;
     constexpr double ridge = 1e-2;            // of the spread
-    constexpr double max_unexplained = 0.25;   // of the variance of slopes
+    constexpr double max_unexplained = 0.25;  // of the variance of slopes
     const std::size_t homes = seeds_.size() / Window::home_seeds;
     const std::size_t begin = home < homes_around ? 0 : home - homes_around;
     const std::size_t end = std::min(homes, home + homes_around + 1);
@@ -368,9 +368,10 @@ bool StarWalk<Isa>::is_buried(const std::array<std::int32_t, 3>& p, SelectLimits
 template <class Isa>
 void StarWalk<Isa>::set_longest(double length) {
     longest_ = length;
-    const bounds::FloatMargin m = weighted_ ? bounds::float_margin(longest_, tilt_length_ * scale_,
-                                                                 weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale_, longest_))
-                                            : bounds::float_margin(longest_);
+    const bounds::FloatMargin m =
+        weighted_ ? bounds::float_margin(longest_, tilt_length_ * scale_,
+                                         weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale_, longest_))
+                  : bounds::float_margin(longest_);
     rounding_by_square_ = m.by_square;
     rounding_ = m.constant;
 }

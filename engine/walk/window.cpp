@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t min_groups = 4;  // fewer say nothing about the surroundings
 constexpr int max_tries = 12;
 constexpr int max_heavier_tries = 4;
-constexpr int max_bent_level = 0;  // the bend of the weights says little about large boxes
+constexpr int max_bent_level = 0;           // the bend of the weights says little about large boxes
 constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
@@ -134,13 +134,17 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
         if (v->size() < most) v->resize(2 * most);
     std::int32_t* const out[3] = {x_.data(), y_.data(), z_.data()};
     if (tilt != nullptr) weight_.resize(x_.size());
-    count_ = kernels_.to_window(
-        {{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()},
-         seeds_.weights.data(),
-         {groups_.data(), group_count_},
-         kept},
-        {box, radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_, tilt, 0.5 * radius + (bent == nullptr ? 0 : bent->most_turned)}, out,
-        id_.data(), weight_.data());
+    count_ = kernels_.to_window({{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()},
+                                 seeds_.weights.data(),
+                                 {groups_.data(), group_count_},
+                                 kept},
+                                {box,
+                                 radius * radius * (1 + 1e-12),
+                                 {origin_[0], origin_[1], origin_[2]},
+                                 scale_,
+                                 tilt,
+                                 0.5 * radius + (bent == nullptr ? 0 : bent->most_turned)},
+                                out, id_.data(), weight_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     if (tilt == nullptr) return true;
     const auto set_padding = [&](float weight) {

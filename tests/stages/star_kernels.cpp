@@ -2,8 +2,6 @@
 // a result must be equal; on others it may differ where rounding decides.
 #include "kernels/star_kernels.hpp"
 
-#include "kernels/weight_bend.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "core/arithmetic.hpp"
+#include "kernels/weight_bend.hpp"
 #include "support/check.hpp"
 #include "support/kernel_sets.hpp"
 #include "support/random.hpp"
