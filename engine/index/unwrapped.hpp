@@ -26,7 +26,8 @@ struct Unwrapped {
     }
 };
 
-// Returns nothing if that parts about as many near seeds as the sides of the domain do, or if few are near each other, or if they fill a sheet.
+// Returns nothing if that parts about as many near seeds as the sides of the domain do, or if few are near each other,
+// or if they fill a sheet.
 std::optional<Unwrapped> unwrap(const SortedSeeds& seeds, ThreadPool& pool);
 
 }  // namespace votess::cpu
