@@ -34,11 +34,24 @@ def _are_words(texts: List[str]) -> bool:
     return all(word.split() == [word] for word in texts)
 
 
-def _named(frame: Frame, *taken: str) -> Dict[str, npt.NDArray[Any]]:
-    """Returns the columns of a frame. Raises ValueError for those that a line cannot hold, and for names that are taken."""
+def _equal(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> bool:
+    try:
+        return np.array_equal(a.astype(float), b.astype(float))
+    except ValueError:
+        return np.array_equal(a.astype(str), b.astype(str))
+
+
+def _named(frame: Frame, own: List[Column]) -> Dict[str, npt.NDArray[Any]]:
+    """Returns the columns of a frame that the file does not write by itself.
+
+    own: those that it writes. Raises ValueError for columns that a line cannot hold, and for others of the same name.
+    """
     columns = {}
+    taken = dict(own)
     for name, given in frame.columns.items():
         values = np.asarray(given)
+        if name in taken and _equal(values, taken[name]):
+            continue
         if name in taken:
             raise ValueError(f"frame {frame.number}: the file has a column {name!r} of its own: give this one another name")
         if values.ndim not in (1, 2) or len(values) != len(frame) or values.dtype.kind not in "iubfU" or 0 in values.shape[1:]:
@@ -108,7 +121,7 @@ def _xyz(frame: Frame) -> str:
     columns: List[Column] = [("type" if whole else "species", species.astype(np.int64) if whole else species), ("pos", _places(frame))]
     if frame.ids is not None:
         columns.append(("id", _ids(frame)))
-    columns += _named(frame, *(name for name, _ in columns)).items()
+    columns += _named(frame, columns).items()
     kinds = {"i": "I", "u": "I", "b": "I", "f": "R", "U": "S"}
     names = [f"{name}:{kinds[values.dtype.kind]}:{1 if values.ndim == 1 else values.shape[1]}" for name, values in columns]
     step = "" if frame.timestep is None else f" Timestep={frame.timestep:.17g}"
@@ -130,8 +143,9 @@ def _dump(frame: Frame) -> str:
     bounds = "".join(line + "\n" for line in _texts(box))
     whole, species = _species(frame, "1")
     ids = np.arange(1, len(frame) + 1) if frame.ids is None else _ids(frame)
-    columns: List[Column] = [("id", ids), ("type" if whole or frame.species is None else "element", species), ("x y z", _places(frame))]
-    for name, values in _named(frame, "id", "type", "element", "x", "y", "z").items():
+    places = _places(frame)
+    columns: List[Column] = [("id", ids), ("type" if whole or frame.species is None else "element", species), ("x y z", places)]
+    for name, values in _named(frame, [*columns, *zip("xyz", places.T)]).items():
         parts = [name] if values.ndim == 1 else [f"{name}_{k + 1}" for k in range(values.shape[1])]
         columns.append((" ".join(parts), values))
     step = frame.number if frame.timestep is None else frame.timestep

@@ -168,7 +168,7 @@ class Files(Folder):
             (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.ones((2, 0))}), "'a' has shape"),
             (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.full(2, 2**63, np.uint64)}), "9223372036854775808 .* below"),
             (vt.Frame(0, np.ones((2, 3)), box, ids=[1, 2], columns={"id": [3, 4]}), "has a column 'id' of its own"),
-            (vt.Frame(0, np.ones((2, 3)), box, columns={"pos": [3, 4]}), "has a column 'pos' of its own"),
+            (vt.Frame(0, np.ones((2, 3)), box, ids=[1, 2], columns={"id": [1.0, 2.0], "pos": [3, 4]}), "has a column 'pos' of its own"),
             (vt.Frame(0, np.ones((2, 3)), box, ids=[1]), r"ids have shape \(1,\): give 2"),
             (vt.Frame(0, np.ones((2, 3)), box, ids=[1.5, 2]), "whole numbers"),
             (vt.Frame(0, np.ones((2, 3)), box, species=["H"]), r"species have shape \(1,\): give 2"),

@@ -199,7 +199,7 @@ def lloyd(
             if step == 0 and where.vectors is None:
                 where = where.replace(box=t.box.ravel(), walls=t.walls)
             extent = float(np.ptp(t.box, axis=0).max(initial=0.0))
-            if not np.isfinite(float(t.volumes.sum()) * extent * extent):
+            if extent < np.inf and not np.isfinite(float(t.volumes.sum()) * extent * extent):
                 raise ValueError("the domain is too large for energies in float64: give lengths in another unit")
             places = t.wrapped_points
             if by_moment and constant is not None:
