@@ -207,7 +207,7 @@ void read_dimensions(const Typed& typed, Arguments& arguments) {
     const std::size_t axes = columns ? split_names("--columns", *columns).size() : 0;
     if (axes == 2) arguments.flat = "--columns " + *columns;
     const std::string* mesh = typed.value("--mesh");
-    const bool has_polygons = mesh && holds_polygons("--mesh", *mesh);
+    const bool has_polygons = mesh && !mesh->empty() && holds_polygons("--mesh", *mesh);
     if (has_polygons) arguments.flat = "--mesh " + *mesh;
     if (typed.has("--2d")) arguments.flat = "--2d";
     if (!arguments.flat.empty()) arguments.read.dimensions = Dimensions::two;
