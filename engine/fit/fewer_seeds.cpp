@@ -8,7 +8,7 @@
 namespace votess::fit {
 namespace {
 
-// Of so many seeds around a place mostly none is between the others, and would get no cell.
+// Among so few seeds around a place usually none lies between the others, where it would get no cell.
 std::size_t group_of(const Problem& problem) {
     return static_cast<std::size_t>(problem.dimensions) + 1;
 }

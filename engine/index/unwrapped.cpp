@@ -101,7 +101,7 @@ public:
                 steps_[static_cast<std::size_t>(b)][j] = steps_[static_cast<std::size_t>(pair.from)][j] +
                                                          pair.across[j] - steps_[static_cast<std::size_t>(pair.to)][j];
         }
-        std::vector<double> sizes(count_.size());  // of what is connected, by root
+        std::vector<double> sizes(count_.size());  // of connected parts, by root
         for (std::size_t c = 0; c < count_.size(); ++c)
             sizes[static_cast<std::size_t>(root_of(static_cast<std::int32_t>(c)))] += count_[c];
         double connected = 0;

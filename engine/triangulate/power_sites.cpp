@@ -54,7 +54,7 @@ void PowerSites::find_places() {
     if (shifted) place_error_ = place_precision * farthest;
 }
 
-// size: made at least as large as the difference, and as what makes up its errors.
+// Raises size to the difference, and to the terms of its error.
 inline void PowerSites::subtract(std::int32_t from, std::int32_t last, exact::Point& row, exact::Point& size) const {
     const Place &a = places_[static_cast<std::size_t>(from)], &b = places_[static_cast<std::size_t>(last)];
     for (std::size_t k = 0; k < 3; ++k) {

@@ -38,7 +38,7 @@ private:
     static constexpr double missed_share = 2.5;       // of the squared reach: a little beyond
     static constexpr double far_share = 16;           // of the squared reach: far beyond
     static constexpr double allowed_misses = 0.35;    // searches for a cell
-    // Of the reach, and of the bend of the weights: less is not worth the tests.
+    // Shares of the reach, and of the bend of the weights. Less is not worth the tests.
     static constexpr double min_turned = 0.15, min_steepest = 0.5;
     static constexpr int max_candidates = 160;  // at first; leaves room for others
     static constexpr int enough_candidates = 80;
@@ -207,8 +207,9 @@ private:
     }
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2, double length2);
     void find_sure_images();
-    // Of a vertex from a seed of the home that is moved by the home's tilt, within the reach of the window.
-    [[nodiscard]] double home_length() const { return 0.5 * window_.reach() + (is_bent_ ? bent_.most_turned : 0); }
+    // The largest distance of a vertex within the reach of the window from a seed of the home, moved by the home's
+    // tilt.
+    [[nodiscard]] double home_length() const { return 0.5 * window_.reach() + (is_bent_ ? bent_.max_turned : 0); }
     [[nodiscard]] double sure_image_reach() const { return 2 * std::max(0.0, sure_images_ - turned_); }
     [[nodiscard, gnu::noinline]] double sure_without_images(const Box& home, double length);
     [[nodiscard]] bool any_missing_image(const Ball& ball, double length);

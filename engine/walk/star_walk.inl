@@ -59,7 +59,7 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     if (weighted_) find_tilt(home, box);
     const WeightTilt* tilt = weighted_ ? &tilt_ : nullptr;
     const double radius = std::sqrt(reach2) * 1.02;
-    is_bent_ = is_bent_ && bent_.bend.steepest >= min_steepest && bent_.most_turned > min_turned * radius;
+    is_bent_ = is_bent_ && bent_.bend.steepest >= min_steepest && bent_.max_turned > min_turned * radius;
     const Window::Bent* bent = is_bent_ ? &bent_ : nullptr;
     window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
     // A home may span far more than its surroundings, where the curve leaves a cluster.
@@ -69,7 +69,7 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
         window_home_ = ~std::size_t{0};
     }
     if (!window_open_) return;
-    collect_near_walls(box, window_.reach() + (is_bent_ ? bent_.most_turned : 0));
+    collect_near_walls(box, window_.reach() + (is_bent_ ? bent_.max_turned : 0));
     sure_images_known_ = !weighted_ || seeds_.images == nullptr;
     sure_box_ = box;
     for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
@@ -223,7 +223,7 @@ void StarWalk<Isa>::lay_bend(std::size_t home) {
         bent_.tilt.origin[k] =
             0.25 * (boxes.lower[k][i] + boxes.upper[k][i] + boxes.lower[k][i + 1] + boxes.upper[k][i + 1]);
     bent_.tilt.least = std::numeric_limits<double>::infinity();
-    bent_.most_turned = 0;
+    bent_.max_turned = 0;
     for (std::size_t s = begin; s < end; ++s) {
         const exact::Point x{seeds_.x[s], seeds_.y[s], seeds_.z[s]};
         const Four turn = turn_at(x);
@@ -235,7 +235,7 @@ void StarWalk<Isa>::lay_bend(std::size_t home) {
         }
         const double rho = least_residual(bent_.tilt, seeds_.weights[s], x) - bends - 64 * unit * size;
         bent_.tilt.least = std::min(bent_.tilt.least, rho);
-        bent_.most_turned = std::max(bent_.most_turned, 0.5 * std::sqrt(dot(wide(turn), wide(turn))) * (1 + 8 * unit));
+        bent_.max_turned = std::max(bent_.max_turned, 0.5 * std::sqrt(dot(wide(turn), wide(turn))) * (1 + 8 * unit));
     }
 }
 

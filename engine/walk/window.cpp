@@ -53,7 +53,7 @@ bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, cons
         return collect(max_groups, [&](const Node& node) {
             return kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, square);
         });
-    const double length = 0.5 * radius + (bent == nullptr ? 0 : bent->most_turned);
+    const double length = 0.5 * radius + (bent == nullptr ? 0 : bent->max_turned);
     return collect(max_heavier_groups, [&](const Node& node) {
         const BoxBlock& boxes = hierarchy_.block(node.level, node.index);
         const WeightBlock& weights = hierarchy_.weight_bounds(node.level, node.index);
@@ -143,7 +143,7 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
                                  {origin_[0], origin_[1], origin_[2]},
                                  scale_,
                                  tilt,
-                                 0.5 * radius + (bent == nullptr ? 0 : bent->most_turned)},
+                                 0.5 * radius + (bent == nullptr ? 0 : bent->max_turned)},
                                 out, id_.data(), weight_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     if (tilt == nullptr) return true;

@@ -29,7 +29,7 @@ public:
     struct Bent {
         WeightTilt tilt;  // with the least rho
         WeightBend bend;
-        double most_turned = 0;  // the most by which a seed of the home is moved otherwise than by the tilt
+        double max_turned = 0;  // largest difference from the tilt in the move of a seed of the home
     };
 
     // Collects all seeds whose planes may come nearer to a seed in a box than about radius / 2, except those of groups
