@@ -56,6 +56,10 @@ private:
         return member.name.ends_with(".npy") ? member.name.substr(0, member.name.size() - 4) : member.name;
     }
 
+    [[nodiscard]] static bool is_of_domain(const std::string& name) {
+        return name == "box" || name == "cell" || name == "walls";
+    }
+
     [[nodiscard]] std::string list(const std::vector<const ZipMember*>& members) const {
         std::string text;
         for (const ZipMember* member : members) add_name(text, plain_name(*member));
@@ -87,7 +91,7 @@ private:
         for (const std::size_t columns : columns_of(request_.dimensions)) {
             for (const ZipMember& member : members_) {
                 const std::string name = plain_name(member);
-                if (!member.name.ends_with(".npy") || name == "box" || name == "cell" || name == "walls") continue;
+                if (!member.name.ends_with(".npy") || is_of_domain(name)) continue;
                 const NpyArray array = open(member);
                 if (array.has_columns(columns) && array.is_float()) candidates.push_back(&member);
             }
@@ -98,7 +102,7 @@ private:
             // Whoever reads an array of another type says which type it expects.
             for (const ZipMember& member : members_)
                 if (const std::string name = plain_name(member);
-                    member.name.ends_with(".npy") && name != "walls" && open(member).has_columns(flat ? 2 : 3))
+                    member.name.ends_with(".npy") && !is_of_domain(name) && open(member).has_columns(flat ? 2 : 3))
                     return &member;
             throw bad_input(name_ + ": no array of floats with shape " + shapes_of(request_.dimensions) +
                             (flat ? ", nor arrays x and y" : ", nor arrays x, y and z"));

@@ -270,8 +270,8 @@ const SurfaceFormat& find_format(const std::string& option, const std::string& p
     if (format == surface_formats.end())
         throw bad_input(
             option + " " + in_quotes(path) +
-            ": known are .off .obj .stl .ply .glb, and for --2d .geojson .geojsonl: convert it, for example with " +
-            "trimesh, PyVista or Blender");
+            ": known are .off .obj .stl .ply .glb, and for --2d .geojson .json .geojsonl .geojsons .geojsonseq: " +
+            "convert it, for example with trimesh, PyVista or Blender, polygons with ogr2ogr");
     return *format;
 }
 

@@ -266,6 +266,8 @@ private:
             options.progress = progress;
             return votess::remesh(surface_.view(), *arguments_.remesh, options);
         });
+        if (mesh_.triangles.empty())
+            throw bad_input("--remesh " + std::to_string(*arguments_.remesh) + " makes no triangle: give more points");
         surface_seconds_ = seconds_since(began_) - read_seconds_;
         report_.add("vertices", mesh_.vertices.size() / 3, "vertices");
         report_.add("triangles", mesh_.triangles.size() / 3, "triangles");
@@ -290,6 +292,8 @@ private:
         if (is_mesh_format(path)) return write_mesh_file(file, path, {seeds_.points, cells_.dual});
         if (extension_of(path) == ".csv") return write_cell_rows(file, seeds_, cells_);
         std::vector<ResultArray> arrays = arrays_of(cells_, seeds_.points, faults_);
+        const std::vector<double> perimeters = perimeters_of(cells_);
+        arrays.push_back(as_array("perimeters", std::span(perimeters)));
         if (!seeds_.ids.empty()) arrays.push_back(as_array("ids", std::span<const std::int64_t>(seeds_.ids)));
         write_arrays(file, path, arrays);
     }

@@ -88,6 +88,11 @@ std::string malformed(const Result& r) {
     if (!exist(r.vertex_image_of, 0, vertices)) return "vertex_image_of names a vertex that does not exist";
     const std::size_t seeds = r.is_subset ? r.all_seeds->count : cells;
     if (!exist(r.duplicate_of, -1, seeds)) return "duplicate_of names a seed that does not exist";
+    if (!exist(r.ids, 0, seeds)) return "ids names a seed that does not exist";
+    for (std::size_t i = 0; i < r.ids.size() && i < r.weights.size() && r.is_subset; ++i)
+        if (r.weights[i] != r.all_seeds->weights[static_cast<std::size_t>(r.ids[i])])
+            return "the weight of seed " + std::to_string(r.ids[i]) + " is " + number(r.weights[i]) + ", it had " +
+                   number(r.all_seeds->weights[static_cast<std::size_t>(r.ids[i])]);
     for (std::size_t i = 0; i < cells; ++i)
         if (r.status[i] != CellStatus::certified && r.status[i] < CellStatus::duplicate)
             return "cell " + std::to_string(i) + " has no verdict";

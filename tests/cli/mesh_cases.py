@@ -306,7 +306,7 @@ class GeojsonFiles(ReaderTest):
         self.refuse("--random", "50", "--2d", "--mesh", "cube.off", says="--mesh cube.off needs three dimensions")
         for options in ([], ["--2d"]):
             self.refuse("--random", "50", "--mesh", "a.vtu", *options, says=": known are .off .obj .stl .ply .glb, and "
-                                                                           "for --2d .geojson .geojsonl")
+                                                                           "for --2d .geojson .json .geojsonl .geojsons .geojsonseq: convert")
         for text, message in (("[1", "a.geojson"), ("{}", "the type none"),
                               ('{"type": "Point", "coordinates": [0, 0]}', 'the type "Point": give polygons'),
                               ('{"type": "Polygon"}', 'no "coordinates"'), ('{"type": "FeatureCollection"}', 'no "features"'),

@@ -308,6 +308,7 @@ class Plane(CliTest):
         self.put("z.npy", np.random.default_rng(1).random((9, 3)))
         walls = {"walls": np.ones((3, 3))}  # of a plane: they look like points of space
         np.savez(self.folder / "walls.npz", **walls)
+        np.savez(self.folder / "domain.npz", box=np.eye(2), cell=np.eye(2), volumes=np.ones(2))
         if h5py:
             with h5py.File(self.folder / "walls.h5", "w") as file:
                 file.update(walls)
@@ -323,6 +324,7 @@ class Plane(CliTest):
                 (["solid.txt", "--box", SQUARE], "the points have three coordinates: add --2d"),
                 (["z.npy", "--2d"], ["point 1 has z", "points of the plane"]),
                 (["z.npy", "--columns", "1,2"], "--columns goes with"), (["walls.npz"], "no array of floats with shape"),
+                (["domain.npz"], "no array of floats with shape"),
                 *([(["walls.h5"], "no dataset of floats with shape")] if h5py else []),
                 (["a.csv"], ["lacks 'z'", "--2d"]), (["solid.txt", "--radii", "3"], ["in addition to the named ones", "--2d"]), (["a.csv", "--2d", "--columns", "x,y,m"], "--columns x,y,m needs three dimensions"),
                 (["a.txt", "--columns", "1"], "X,Y in two dimensions"), (["--random", 9, "--box", SQUARE], "for two dimensions add --2d"),

@@ -55,6 +55,7 @@ class OnSurface(CliTest):
         self.assertListEqual(rows["neighbors"].astype(int).tolist(), np.diff(arrays["indptr"]).tolist())
         lengths = np.add.reduceat(np.append(arrays["lengths"], 0), arrays["indptr"][:-1]) * (np.diff(arrays["indptr"]) > 0)
         np.testing.assert_allclose(rows["perimeter"], lengths, rtol=1e-14)
+        np.testing.assert_array_equal(rows["perimeter"], arrays["perimeters"])
         # Random places of the surface have the areas of the cells as shares.
         ends = np.cumsum([np.linalg.norm(np.cross(*(CORNERS[list(f[1:])] - CORNERS[f[0]]))) / 2 for f in FACES])
         rng = np.random.default_rng(1)
@@ -121,6 +122,7 @@ class OnSurface(CliTest):
 
     def test_refusals(self):
         on = ("--random", 5, "--surface", "box.off")
+        self.put("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
         mesh = ("--surface", "box.off", "-o", "a.obj", "--remesh")
         for arguments, says in (
             (("--surface", "box.off"), "there is no input"),
@@ -137,6 +139,7 @@ class OnSurface(CliTest):
             ((*mesh, 0), "the number of vertices is 0"),
             ((*mesh, 2**31 - 1), "from 0 to 268435456, not"),
             ((*mesh, 5, "--random", 5), "--remesh chooses its own points"),
+            (("--surface", "flat.off", "-o", "a.obj", "--remesh", 1), "--remesh 1 makes no triangle: give more points"),
             ((*mesh, 5, "--weights", 4), "--weights goes with INPUT"),
             ((*mesh, 5, "--sharp", 0), "--sharp is 0: give an angle above 0"),
             ((*mesh, 5, "-o", "a.csv"), "--remesh writes .npz, .h5, .obj, .ply, .off and .stl, not 'a.csv'"),

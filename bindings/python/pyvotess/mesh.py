@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Iterator, List, NamedTuple, Optional, Uni
 
 import numpy as np
 
-from ._arguments import as_count
+from ._arguments import as_count, counted
 from .export.optional import imported
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Lists:
             yield self[row]
 
     def __repr__(self) -> str:
-        return f"<pyvotess.{type(self).__name__}: {len(self)} rows, {len(self._indices)} ids>"
+        return f"<pyvotess.{type(self).__name__}: {counted(len(self), 'row')}, {counted(len(self._indices), 'id')}>"
 
 
 class Neighbors(Lists):

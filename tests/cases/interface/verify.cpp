@@ -557,6 +557,9 @@ TEST_SUITE("cases") {
                     return votess::verify(votess::Tessellation(std::move(result)), s.points).passed;
                 };
                 CHECK(passes(t, [](const auto&) {}));
+                for (const std::int32_t id : {-1, std::numeric_limits<std::int32_t>::max()})
+                    CHECK(!passes(t, [&](auto& r) { r.ids[0] = id; }));
+                if (weighted) CHECK(!passes(t, [](auto& r) { r.weights[r.weights.size() / 2] += 1; }));
                 std::size_t tried = 0;
                 for (std::size_t k = 0; k < ids.size() && tried < 4; ++k) {
                     if (t.status()[k] != votess::CellStatus::certified) continue;

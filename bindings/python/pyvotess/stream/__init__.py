@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Optional, Tuple
 import numpy as np
 
 from .. import _c_api
-from .._arguments import as_count, as_flag, require_one_of, as_path, shown
+from .._arguments import as_count, as_flag, as_path, counted, require_one_of, shown
 from .._c_api import WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing, view_of
 from .._domain import Domain, as_domain, with_short_forms
@@ -49,7 +49,7 @@ class StreamRows(RowArrays):
 
     def __repr__(self) -> str:
         rows = "no rows" if self.indices is None else f"{len(self.indices)} neighbors"
-        return f"<pyvotess.StreamRows of {len(self)} seeds from {self.first} on: {rows}, {self._listed()}>"
+        return f"<pyvotess.StreamRows of {counted(len(self), 'seed')} from {self.first} on: {rows}, {self._listed()}>"
 
     def neighbors(self, k: int) -> Int64Array:
         """Returns row k, that of seed ``first + k``."""
@@ -74,7 +74,7 @@ class StreamResult:
 
     def __repr__(self) -> str:
         verified = "" if self.verified is None else ", verified" if self.verified.passed else ", failed to verify"
-        return (f"<pyvotess.StreamResult of {self.stats.points} seeds in {self.blocks} block{'s' * (self.blocks != 1)}, "
+        return (f"<pyvotess.StreamResult of {counted(self.stats.points, 'seed')} in {counted(self.blocks, 'block')}, "
                 f"the largest of {self.largest_block}{verified}>")  # fmt: skip
 
 
