@@ -76,8 +76,9 @@ def _parts(text: str) -> Iterator[Tuple[str, str]]:
     for paragraph in text.split("\n\n"):
         part.append(paragraph)
         code = re.sub(r"//.*", "", paragraph)
-        # Namespaces and extern "C" stay open.
-        code = re.sub(r"^(?:namespace [\w:]+|extern \"C\") \{|^\}(?:  )?$", "", code, flags=re.M)
+        # Namespaces and extern "C" stay open. A comment stood behind the end of a long namespace.
+        code = re.sub(r"^namespace [\w:]+ \{[^{}]*^\}$", "", code, flags=re.M)
+        code = re.sub(r"^(?:namespace [\w:]+|extern \"C\") \{|^\}  $|(?<=__cplusplus\n)\}$", "", code, flags=re.M)
         depth += code.count("{") - code.count("}")
         if depth == 0:
             whole = "\n\n".join(part)
