@@ -97,6 +97,7 @@ void begin_report(const ReportOut& out) {
     if (out.proven != nullptr) *out.proven = 0;
     if (out.skipped != nullptr) *out.skipped = 0;
     if (out.sampled != nullptr) *out.sampled = 0;
+    if (out.tiny_faces != nullptr) *out.tiny_faces = VOTESS_TINY_FACES_UNKNOWN;
     require_text_buffer(out.failure, out.failure_size, "failure");
     copy_text("", out.failure, out.failure_size);
     require_text_buffer(out.unproven, out.unproven_size, "unproven");
@@ -108,6 +109,7 @@ void write_report(const VerifyReport& report, const ReportOut& out) {
         for (const std::string& check : report.skipped) *out.skipped |= check_bit(check);
     }
     if (out.sampled != nullptr) *out.sampled = report.sampled;
+    if (out.tiny_faces != nullptr) *out.tiny_faces = report.tiny_faces.value_or(VOTESS_TINY_FACES_UNKNOWN);
     copy_text(report.failure, out.failure, out.failure_size);
     copy_text(report.unproven, out.unproven, out.unproven_size);
     if (out.proven != nullptr) *out.proven = report.proven ? 1 : 0;
@@ -118,9 +120,11 @@ void write_report(const VerifyReport& report, const ReportOut& out) {
 
 votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
                             uint64_t rng_seed, int* passed, int* proven, uint32_t* skipped, size_t* sampled,
-                            char* failure, size_t failure_size, char* unproven, size_t unproven_size) {
+                            uint64_t* tiny_faces, char* failure, size_t failure_size, char* unproven,
+                            size_t unproven_size) {
     return guarded([&] {
-        const ReportOut out{passed, proven, skipped, sampled, failure, failure_size, unproven, unproven_size};
+        const ReportOut out{passed,  proven,       skipped,  sampled,      tiny_faces,
+                            failure, failure_size, unproven, unproven_size};
         begin_report(out);
         const auto input = points_of(result, points, count);
         write_report(votess::verify(result->tessellation, input, verify_options(sample, rng_seed)), out);

@@ -113,9 +113,10 @@ void require_text_buffer(const char* buffer, std::size_t size, const char* name)
 // Where the report of verify() goes; see votess_verify.
 struct ReportOut {
     int* passed;
-    int* proven;  // this and the next two may be null
+    int* proven;  // this and the next three may be null
     std::uint32_t* skipped;
     std::size_t* sampled;
+    std::uint64_t* tiny_faces;
     char* failure;
     std::size_t failure_size;
     char* unproven;

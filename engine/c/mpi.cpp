@@ -120,7 +120,7 @@ votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, 
                                 size_t sample, uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled,
                                 char* failure, size_t failure_size, char* unproven, size_t unproven_size) {
     return guarded([&] {
-        const ReportOut out{passed, nullptr, skipped, sampled, failure, failure_size, unproven, unproven_size};
+        const ReportOut out{passed, nullptr, skipped, sampled, nullptr, failure, failure_size, unproven, unproven_size};
         std::span<const double> input;
         votess::mpi::Ranks(comm).together([&] {
             begin_report(out);

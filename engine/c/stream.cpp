@@ -123,8 +123,9 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
             if (result.verified) {
                 std::size_t sampled = 0;
                 int passed = 0;
-                write_report(*result.verified, {&passed, nullptr, &c_counts.checks_skipped, &sampled, c_counts.failure,
-                                                sizeof c_counts.failure, c_counts.unproven, sizeof c_counts.unproven});
+                write_report(*result.verified,
+                             {&passed, nullptr, &c_counts.checks_skipped, &sampled, nullptr, c_counts.failure,
+                              sizeof c_counts.failure, c_counts.unproven, sizeof c_counts.unproven});
                 c_counts.passed = passed;
                 c_counts.sampled = sampled;
             }

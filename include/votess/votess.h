@@ -445,11 +445,15 @@ VOTESS_API votess_status votess_alpha_array(const votess_alpha* alpha, int32_t k
 // passed: 1 or 0. proven: 1 if all cells are proven, else 0; may be NULL. skipped: VOTESS_CHECK_* bits of the checks
 // whose arrays the result lacks; may be NULL. sample: number of cells to clip again; VOTESS_SAMPLE_AUTOMATIC for a
 // proof of all cells, or where there is none for about a second's work. sampled: number of cells clipped again, up to
-// the one that failed; may be NULL. failure: failure_size bytes for one line on the first failed check, else "";
-// zero-terminated, cut if too long; NULL with size 0. unproven: the same for one line on why not all cells are proven.
+// the one that failed; may be NULL. tiny_faces: as by votess_count_tiny_faces, or VOTESS_TINY_FACES_UNKNOWN for a
+// subset, in a mesh and in the plane; may be NULL. failure: failure_size bytes for one line on the first failed check,
+// else ""; zero-terminated, cut if too long; NULL with size 0. unproven: the same for one line on why not all cells are
+// proven.
 VOTESS_API votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
                                        uint64_t rng_seed, int* passed, int* proven, uint32_t* skipped, size_t* sampled,
-                                       char* failure, size_t failure_size, char* unproven, size_t unproven_size);
+                                       uint64_t* tiny_faces, char* failure, size_t failure_size, char* unproven,
+                                       size_t unproven_size);
+#define VOTESS_TINY_FACES_UNKNOWN UINT64_MAX
 
 // Writes Stats::tiny_faces to *tiny_faces, see count_tiny_faces() in votess.hpp. points, count: as for votess_verify.
 VOTESS_API votess_status votess_count_tiny_faces(const votess_result* result, const double* points, size_t count,

@@ -184,6 +184,7 @@ WORDS: Dict[str, Dict[str, int]] = {"duplicates": DUPLICATES, "outside": OUTSIDE
 NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
 GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
+TINY_FACES_UNKNOWN = 2**64 - 1
 WantWord = Literal[
     "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, Optional, Tuple
 
 from . import _c_api
@@ -137,10 +137,12 @@ def read_report(
 
 
 def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
-    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one proves cells."""
+    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one proves cells and counts faces."""
     passed, proven, skipped, sampled = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
     texts = [ctypes.create_string_buffer(1024) for _ in range(2)]  # failure, unproven
-    verdict = (passed, proven, skipped) if proves else (passed, skipped)
+    tiny = ctypes.c_uint64(_c_api.TINY_FACES_UNKNOWN)
+    verdict = (passed, proven, skipped, sampled, tiny) if proves else (passed, skipped, sampled)
     buffers = [part for text in texts for part in (text, len(text))]
-    raise_on_failure(function(*arguments, *verdict, sampled, *buffers))
-    return read_report(passed.value, skipped.value, sampled.value, texts[0].value, texts[1].value, bool(proven.value))
+    raise_on_failure(function(*arguments, *verdict, *buffers))
+    report = read_report(passed.value, skipped.value, sampled.value, texts[0].value, texts[1].value, bool(proven.value))
+    return report if tiny.value == _c_api.TINY_FACES_UNKNOWN else replace(report, tiny_faces=tiny.value)

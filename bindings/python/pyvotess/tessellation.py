@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
@@ -12,7 +10,7 @@ import numpy as np
 
 from ._arguments import as_flag, as_number, counted
 from ._c_api import ErrorCode
-from ._call import Handle, Progress, VotessError, raise_on_failure, watched
+from ._call import Handle, Progress, VotessError, watched
 from ._input import as_labels, as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -535,10 +533,4 @@ class Tessellation(SeedCells):
             if error.code != ErrorCode.INVALID_USE:
                 raise
             return VerifyReport(False, str(error), ())
-        seeds = (handle, points, len(points))
-        report = verify(partial(watched, lib.votess_verify), *seeds, *drawn)
-        if self.planar or self.in_mesh or self.ids is not None or len(self) < len(points):  # a subset may be empty
-            return report
-        tiny = ctypes.c_uint64()
-        raise_on_failure(watched(lib.votess_count_tiny_faces, *seeds, tiny))
-        return replace(report, tiny_faces=tiny.value)
+        return verify(partial(watched, lib.votess_verify), handle, points, len(points), *drawn)

@@ -134,7 +134,7 @@ TEST_SUITE("api") {
             char text[64];
             note("verify", votess_verify(result, hostile.pointer<const double>(points.data()), hostile.count(n),
                                          hostile.count(3), 1, hostile.pointer(&passed), nullptr, nullptr, nullptr,
-                                         hostile.pointer<char>(text), hostile.any<std::size_t>(64, {0, 1}),
+                                         nullptr, hostile.pointer<char>(text), hostile.any<std::size_t>(64, {0, 1}),
                                          hostile.pointer<char>(text), hostile.any<std::size_t>(64, {0, 1})));
             note("wrapped_points", votess_wrapped_points(result, hostile.pointer<const double>(points.data()),
                                                          hostile.count(n), hostile.pointer(room.data())));

@@ -125,21 +125,22 @@ static void check_tessellations(void) {
     int passed = 0;
     uint32_t skipped = 0;
     size_t sampled = 0;
+    uint64_t tiny = 5;
     char failure[256] = "x", unproven[256] = "x", cut[6] = "xxxxx";
-    CHECK(votess_verify(first, cube, 8, 3, 1, &passed, NULL, &skipped, &sampled, failure, sizeof failure, unproven,
-                        sizeof unproven) == VOTESS_OK);
-    CHECK(passed == 1 && sampled == 3 && strcmp(failure, "") == 0 && strstr(unproven, "sampled") != NULL);
+    CHECK(votess_verify(first, cube, 8, 3, 1, &passed, NULL, &skipped, &sampled, &tiny, failure, sizeof failure,
+                        unproven, sizeof unproven) == VOTESS_OK);
+    CHECK(passed == 1 && sampled == 3 && tiny == 0 && strcmp(failure, "") == 0 && strstr(unproven, "sampled") != NULL);
     double moved[24];
     memcpy(moved, cube, sizeof moved);
     moved[0] = 0.75;
-    CHECK(votess_verify(first, moved, 8, 8, 1, &passed, NULL, NULL, NULL, failure, sizeof failure, NULL, 0) ==
+    CHECK(votess_verify(first, moved, 8, 8, 1, &passed, NULL, NULL, NULL, NULL, failure, sizeof failure, NULL, 0) ==
           VOTESS_OK);
     CHECK(passed == 0 && strlen(failure) > 5);
-    CHECK(votess_verify(first, moved, 8, 8, 1, &passed, NULL, NULL, NULL, cut, sizeof cut, NULL, 0) == VOTESS_OK);
+    CHECK(votess_verify(first, moved, 8, 8, 1, &passed, NULL, NULL, NULL, NULL, cut, sizeof cut, NULL, 0) == VOTESS_OK);
     CHECK(strlen(cut) == 5 && strncmp(cut, failure, 5) == 0);
-    CHECK_REFUSES(votess_verify(first, cube, 7, 8, 1, &passed, NULL, NULL, NULL, NULL, 0, NULL, 0), "8 cells");
-    CHECK_REFUSES(votess_verify(first, cube, 8, 8, 1, &passed, NULL, NULL, NULL, NULL, 4, NULL, 0), "failure");
-    CHECK_REFUSES(votess_verify(first, cube, 8, 8, 1, &passed, NULL, NULL, NULL, NULL, 0, NULL, 4), "unproven");
+    CHECK_REFUSES(votess_verify(first, cube, 7, 8, 1, &passed, NULL, NULL, NULL, NULL, NULL, 0, NULL, 0), "8 cells");
+    CHECK_REFUSES(votess_verify(first, cube, 8, 8, 1, &passed, NULL, NULL, NULL, NULL, NULL, 4, NULL, 0), "failure");
+    CHECK_REFUSES(votess_verify(first, cube, 8, 8, 1, &passed, NULL, NULL, NULL, NULL, NULL, 0, NULL, 4), "unproven");
     votess_result_free(first);
 
     CHECK(votess_result_size(NULL) == 0);
