@@ -82,7 +82,7 @@ VOTESS_API votess_status votess_frame_cells_array(const votess_frame_cells* cell
 // vector-Jacobian product. Those for centroids need volumes in `want` too; they are ignored where a point has no cell.
 // The derivatives are in closed form, on the device, and usually right to 1e-5 of the largest one. Narrow cells of
 // clusters lose digits, and cells far from their seeds in a power diagram. Where more than three cells meet at an edge,
-// as in a lattice, areas have no derivative unless all are images of one point, and what is returned differs from one
+// as in a lattice, areas have no derivative unless all are images of one point, and the result differs from one
 // side to the other. Points without a cell have 0. Box, walls and the vectors of a periodic domain are fixed. Without
 // weights, by_weights is the derivative at weights of 0. Refused while cells are unresolved.
 VOTESS_API votess_status votess_frames_vjp(votess_frames* frames, const float* volumes, const double* centroids,

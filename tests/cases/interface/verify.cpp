@@ -995,8 +995,8 @@ TEST_SUITE("cases") {
               "seed 1 is a duplicate, and the result does not say of which one");
     }
 
-    // These are faults as well, and verify() names what is wrong by trying every seed.
-    TEST_CASE("a certificate says of which cell it finds neither a proof nor what is wrong") {
+    // These are faults as well, and verify() finds them by trying every seed.
+    TEST_CASE("a certificate names the cell for which it finds neither a proof nor a fault") {
         ProofCase c;
         c.points = test::uniform(60, 119).points;
         c.weights.assign(60, 0);

@@ -76,7 +76,7 @@ def _parts(text: str) -> Iterator[Tuple[str, str]]:
     for paragraph in text.split("\n\n"):
         part.append(paragraph)
         code = re.sub(r"//.*", "", paragraph)
-        # Namespaces and extern "C" stay open. A comment stood behind the end of a long namespace.
+        # Namespaces and extern "C" stay open. Of a comment behind the end of a namespace two blanks are left.
         code = re.sub(r"^namespace [\w:]+ \{[^{}]*^\}$", "", code, flags=re.M)
         code = re.sub(r"^(?:namespace [\w:]+|extern \"C\") \{|^\}  $|(?<=__cplusplus\n)\}$", "", code, flags=re.M)
         depth += code.count("{") - code.count("}")
