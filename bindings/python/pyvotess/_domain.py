@@ -425,12 +425,19 @@ def _equal(a: Any, b: Any) -> bool:
     return type(a) is type(b) and bool(a == b)
 
 
+DomainLike = Union[Domain, "npt.ArrayLike"]  # a domain, or a box
+
+
 def as_domain(domain: Any, keywords: Any, name: str = "domain") -> Domain:
-    """Returns the domain of a call: the given one, or that of the short forms. Refuses both."""
+    """Returns the domain of a call: the given one, a given box with short forms, or that of the short forms alone."""
     if domain is None:
         return Domain(**keywords)
     if not isinstance(domain, Domain):
-        raise TypeError(f"{name} is {shown(domain)}: give a pyvotess.Domain, such as Domain.box(), or box=, cell= or mesh=")
+        if not isinstance(domain, (list, tuple, np.ndarray)):
+            raise TypeError(f"{name} is {shown(domain)}: give a pyvotess.Domain, a box, or box=, cell= or mesh=")
+        if keywords.get("box") is not None:
+            raise ValueError(f"box and {name} are both given: leave one out")
+        return Domain(**{**keywords, "box": domain})
     _checked(keywords)
     for short, value in keywords.items():
         if value is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union, overl
 
 import numpy as np
 
-from ._domain import Domain, as_domain
+from ._domain import DomainLike, take_domain
 from .tessellator import Tessellator, tessellate
 
 if TYPE_CHECKING:
@@ -83,13 +83,13 @@ def _cells_of_each(frames: Any, options: Dict[str, Any]) -> Iterator[Tessellatio
 
 
 @overload
-def from_ase(atoms: List[Any], domain: Optional[Domain] = ..., **options: Any) -> List[Tessellation]: ...
+def from_ase(atoms: List[Any], domain: Optional[DomainLike] = ..., **options: Any) -> List[Tessellation]: ...
 @overload
-def from_ase(atoms: Iterator[Any], domain: Optional[Domain] = ..., **options: Any) -> Iterator[Tessellation]: ...
+def from_ase(atoms: Iterator[Any], domain: Optional[DomainLike] = ..., **options: Any) -> Iterator[Tessellation]: ...
 @overload
-def from_ase(atoms: Any, domain: Optional[Domain] = ..., **options: Any) -> Tessellation: ...
+def from_ase(atoms: Any, domain: Optional[DomainLike] = ..., **options: Any) -> Tessellation: ...
 def from_ase(
-    atoms: Any, domain: Optional[Domain] = None, **options: Any
+    atoms: Any, domain: Optional[DomainLike] = None, **options: Any
 ) -> Union[Tessellation, List[Tessellation], Iterator[Tessellation]]:
     """Returns the cells of atoms, in the unit cell of the atoms and periodic along its periodic edges.
 
@@ -118,7 +118,9 @@ def from_ase(
     for name in ("cell", "origin"):
         if name in options:
             raise TypeError(f"from_ase() takes {name} from the atoms: give positions and {name} to tessellate()")
-    options["domain"] = None if domain is None else as_domain(domain, {})
+    if domain is not None:
+        options["domain"] = domain
+        options["domain"] = take_domain(options)
     if isinstance(atoms, (list, tuple)):
         return list(_cells_of_each(atoms, options))
     if isinstance(atoms, Iterator):

@@ -12,7 +12,7 @@ from . import _c_api
 from ._arguments import as_axis, as_each_axis, as_flag, as_word, counted
 from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, WantName
 from ._call import Handle, Progress, run
-from ._domain import Domain, as_domain, with_short_forms
+from ._domain import Domain, DomainLike, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points, fill_weights
 from ._library import lib
 from ._run import implied_words, new_options
@@ -81,7 +81,7 @@ class Diagram:
     def __init__(
         self,
         points: npt.ArrayLike,
-        domain: Optional[Domain] = None,
+        domain: Optional[DomainLike] = None,
         *,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,

@@ -12,7 +12,7 @@ from . import _c_api
 from ._arguments import as_count, as_flag, as_number, counted
 from ._c_api import ErrorCode, PrecisionWord, WantName
 from ._call import Handle, Progress, VotessError, last_error, raise_on_failure, run
-from ._domain import Domain, as_domain, with_short_forms
+from ._domain import DomainLike, as_domain, with_short_forms
 from ._input import as_density, as_one_each, as_points, fill_weights
 from ._library import lib
 from ._run import implied_words, new_options
@@ -75,7 +75,7 @@ class FitError(VotessError):
 def fit_volumes(
     points: npt.ArrayLike,
     volumes: npt.ArrayLike,
-    domain: Optional[Domain] = None,
+    domain: Optional[DomainLike] = None,
     *,
     tolerance: float = 1e-9,
     weights: Optional[npt.ArrayLike] = None,

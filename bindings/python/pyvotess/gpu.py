@@ -17,7 +17,7 @@ from . import _c_api
 from ._arguments import as_count, as_flag, as_number, counted, shown
 from ._c_api import WantName
 from ._call import Handle, OneCallAtATime, raise_on_failure, watched
-from ._domain import Domain, as_domain, with_short_forms
+from ._domain import DomainLike, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points
 from ._library import lib
 from ._run import implied_words, new_options
@@ -264,7 +264,7 @@ class Frames(OneCallAtATime):
     def __init__(
         self,
         max_points: int,
-        domain: Optional[Domain] = None,
+        domain: Optional[DomainLike] = None,
         *,
         want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
         weights: Optional[npt.ArrayLike] = None,

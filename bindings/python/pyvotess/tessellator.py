@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Union
 from . import _c_api
 from ._c_api import DuplicatesWord, PrecisionWord, WantName
 from ._call import Handle, OneCallAtATime, Progress, raise_on_failure
-from ._domain import Domain, with_short_forms
+from ._domain import DomainLike, with_short_forms
 from ._library import lib
 from ._run import new_options, tessellate_points
 from .tessellation import Tessellation
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @with_short_forms
 def tessellate(
     points: npt.ArrayLike,
-    domain: Optional[Domain] = None,
+    domain: Optional[DomainLike] = None,
     *,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
@@ -54,9 +54,9 @@ def tessellate(
         vectors of the domain and of results have two components, see the page "Two dimensions".
         float64 and float32 in C order are copied; other arrays are converted without loss, also those that have only
         `__dlpack__`. If another thread changes the array during the call, cells are wrong, but nothing crashes.
-    domain : the part of space that the cells fill, a :class:`Domain`. Default: the bounds of the points, each side moved out
-        by half of (longest side / cbrt(N)). Points outside are an error. Its short forms are arguments too: box, periodic,
-        cell, origin, walls, mesh, mesh_repair, mesh_tolerance and outside of :class:`Domain`.
+    domain : the part of space that the cells fill, a :class:`Domain`, or a box alone. Default: the bounds of the points, each
+        side moved out by half of (longest side / cbrt(N)). Points outside are an error. Its short forms are arguments too:
+        box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance and outside of :class:`Domain`.
     weights, radii : (N,) numbers for a power diagram, with these weights or the squares of these radii. A seed with an
         empty cell has status EMPTY.
     want : names of arrays of the result, as a sequence or one string with commas: "volumes", "centroids",
@@ -153,7 +153,7 @@ class Tessellator(OneCallAtATime):
     def tessellate(
         self,
         points: npt.ArrayLike,
-        domain: Optional[Domain] = None,
+        domain: Optional[DomainLike] = None,
         *,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,

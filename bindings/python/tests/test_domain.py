@@ -495,8 +495,12 @@ class Values(unittest.TestCase):
                 for one, value in short.items():
                     with self.assertRaisesRegex(ValueError, f"^{one} and domain are both given: put {one} into the domain"):
                         call(unit, **{one: value})
-                with self.assertRaisesRegex(TypeError, "domain is .*: give a pyvotess.Domain"):
-                    call(UNIT)
+                with self.assertRaisesRegex(TypeError, "domain is 'none': give a pyvotess.Domain"):
+                    call("none")
+                box, others = short["box"], {one: value for one, value in short.items() if one != "box"}
+                np.testing.assert_array_equal(call(box, **others), expected)
+                with self.assertRaisesRegex(ValueError, "^box and domain are both given: leave one out"):
+                    call(box, box=box)
                 with self.assertRaisesRegex(TypeError, r"unexpected keyword argument 'boxes': did you mean box\?"):
                     call(unit, boxes=UNIT)
         for name, function in (("tessellate", vt.tessellate), ("Diagram", vt.Diagram), ("lloyd", vt.lloyd), ("fit", vt.fit_volumes),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 
 from .._arguments import shown
-from .._domain import SHORT_FORMS, Domain, take_domain
+from .._domain import SHORT_FORMS, DomainLike, take_domain
 from .._input import as_float64_or_float32
 from .._motion import blocks, dot, motion_of
 from ..tessellation import Tessellation
@@ -45,7 +45,7 @@ class Measures(NamedTuple):
 
 
 def forward(
-    points: npt.ArrayLike, domain: Optional[Domain] = None, *, weights: Optional[npt.ArrayLike] = None, **options: Any
+    points: npt.ArrayLike, domain: Optional[DomainLike] = None, *, weights: Optional[npt.ArrayLike] = None, **options: Any
 ) -> Tessellation:
     """Returns the cells with the arrays that :func:`vjp` reads: volumes, centroids, areas and faces.
 

@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 
 from .._arguments import as_count, shown
-from .._domain import Domain
+from .._domain import DomainLike
 from ..tessellation import Tessellation
 from . import Measures, forward, vjp
 
@@ -112,7 +112,7 @@ def _jax_array(values: Any, name: str) -> Any:
 
 
 def tessellate(
-    points: Any, domain: Optional[Domain] = None, *, weights: Any = None, max_rows: Optional[int] = None, **options: Any
+    points: Any, domain: Optional[DomainLike] = None, *, weights: Any = None, max_rows: Optional[int] = None, **options: Any
 ) -> Measures:
     """Returns the measures of the cells as JAX arrays, of the type of ``points``.
 

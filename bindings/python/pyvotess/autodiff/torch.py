@@ -13,7 +13,7 @@ imported("torch", "pyvotess.autodiff.torch")
 import torch
 from torch.autograd.function import once_differentiable
 
-from .._domain import Domain
+from .._domain import DomainLike
 from . import Measures, forward, vjp
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def _order(volumes: Any, centroids: Any, areas: Any, status: Any, adjacency: Any
     return volumes, centroids, status, areas, adjacency, offsets
 
 
-def tessellate(points: Any, domain: Optional[Domain] = None, *, weights: Any = None, **options: Any) -> Measures:
+def tessellate(points: Any, domain: Optional[DomainLike] = None, *, weights: Any = None, **options: Any) -> Measures:
     """Returns the measures of the cells as tensors, of the type of ``points``.
 
     Parameters

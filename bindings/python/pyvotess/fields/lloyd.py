@@ -9,7 +9,7 @@ import numpy as np
 
 from .._arguments import as_count, as_flag, as_number, counted
 from .._call import Progress, showing
-from .._domain import Domain, as_domain, with_short_forms
+from .._domain import DomainLike, as_domain, with_short_forms
 from .._input import as_array, as_density, as_points
 from ..fit import fit_volumes
 from ..pairs import edges_of
@@ -101,7 +101,7 @@ def _share(show: Progress, step: int, count: int) -> Progress:
 @with_short_forms
 def lloyd(
     points: npt.ArrayLike,
-    domain: Optional[Domain] = None,
+    domain: Optional[DomainLike] = None,
     *,
     steps: int = 100,
     density: Union[None, Density, npt.ArrayLike] = None,

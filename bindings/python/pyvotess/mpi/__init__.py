@@ -16,7 +16,7 @@ from .. import _c_api
 from .._arguments import as_word
 from .._c_api import DuplicatesWord, WantName
 from .._call import Callbacks, Handle, Progress, VotessError, raise_on_failure, showing
-from .._domain import Domain, as_domain, with_short_forms
+from .._domain import DomainLike, as_domain, with_short_forms
 from .._input import as_array, as_points, fill_weights
 from .._run import new_options
 from .._row_arrays import NAMES, RowArrays
@@ -165,7 +165,7 @@ def _as_ids(ids: Any, count: int) -> Int64Array:
 def tessellate(
     points: npt.ArrayLike,
     comm: Any,
-    domain: Optional[Domain] = None,
+    domain: Optional[DomainLike] = None,
     *,
     ids: Optional[npt.ArrayLike] = None,
     weights: Optional[npt.ArrayLike] = None,

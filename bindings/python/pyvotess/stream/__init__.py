@@ -14,7 +14,7 @@ from .. import _c_api
 from .._arguments import as_count, as_flag, as_path, counted, require_one_of, shown
 from .._c_api import WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing, view_of
-from .._domain import Domain, as_domain, with_short_forms
+from .._domain import DomainLike, as_domain, with_short_forms
 from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
 from .._row_arrays import NAMES, RowArrays
@@ -151,7 +151,7 @@ class _Source:
 def tessellate_stream(
     pieces: Iterable[Any],
     rows: Callable[[StreamRows], Any],
-    domain: Optional[Domain] = None,
+    domain: Optional[DomainLike] = None,
     *,
     memory: int,
     temporary: Optional[Union[str, "os.PathLike[str]"]] = None,
