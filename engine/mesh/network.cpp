@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
 #include "input/domain_of_result.hpp"
@@ -129,8 +130,15 @@ public:
           box_(box),
           joined_(result),
           number_(result.vertices.size() / dimensions_) {
+        double largest = 0;
+        for (const auto& array : {std::span<const double>(result.vertices), places_})
+            for (const double x : array) largest = std::max(largest, std::abs(x));
+        if (largest > 0 && std::isfinite(largest)) exponent_ = std::clamp(std::ilogb(largest), -1000, 1000);
+        per_unit_ = power_of_two(-exponent_);
+        for (Vector& vector : box_)
+            for (double& x : vector) x *= per_unit_;
         radii_.reserve(result.weights.size());
-        for (const double weight : result.weights) radii_.push_back(std::sqrt(weight));
+        for (const double weight : result.weights) radii_.push_back(std::sqrt(weight) * per_unit_);
         if (radii_.empty()) return;
         last_sphere_.assign(radii_.size(), radii_.size());
     }
@@ -140,6 +148,8 @@ public:
         find_larger();
         place_sides();
         join_sides();
+        for (const auto& radii : {&out_.vertex_radii, &out_.edge_radii})
+            for (double& radius : *radii) radius = times_power_of_two(radius, exponent_);
         return std::move(out_);
     }
 
@@ -201,8 +211,11 @@ private:
     }
 
     [[nodiscard]] double radius(std::size_t i) const { return radii_.empty() ? 0 : radii_[i]; }
+    // In a unit in which squares are representable.
     [[nodiscard]] Vector from_seed(std::size_t i, std::span<const double> array, std::size_t k) const {
-        return minus(vector_at(array, k, dimensions_), vector_at(places_, i, dimensions_));
+        Vector difference = minus(vector_at(array, k, dimensions_), vector_at(places_, i, dimensions_));
+        for (double& x : difference) x *= per_unit_;
+        return difference;
     }
     [[nodiscard]] Vector from_seed(std::size_t i, std::int32_t vertex) const {
         return from_seed(i, r_.vertices, at(vertex));
@@ -352,7 +365,9 @@ private:
     const OutsideTest is_outside_;
     const std::size_t dimensions_;
     std::span<const double> places_;
-    const std::array<Vector, 3> box_;
+    std::array<Vector, 3> box_;
+    int exponent_ = 0;  // coordinates are below about 2^exponent_
+    double per_unit_;
     std::vector<double> radii_;  // N in a power diagram, else empty
     const JoinedCorners joined_;
     std::vector<std::int32_t> number_;  // by vertex of the mesh

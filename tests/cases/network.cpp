@@ -204,6 +204,28 @@ TEST_CASE("network: radii are distances to the nearest surface") {
     }
 }
 
+TEST_CASE("network: radii in any unit") {
+    const auto in_unit = [](int exponent, bool spheres) {
+        test::Coordinates points = test::uniform(40, 3).points;
+        std::vector<double> radii(spheres ? 40 : 0);
+        for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = std::ldexp(i % 9 == 0 ? 0.3 : 0.02, exponent);
+        for (double& x : points) x = std::ldexp(x, exponent);
+        votess::Options options = periodic_cube(std::ldexp(1.0, exponent));
+        options.radii = radii;
+        return Case(points, options).n;
+    };
+    for (const auto& [exponent, spheres] : {std::pair{500, true}, {-500, true}, {900, false}, {-900, false}}) {
+        CAPTURE(exponent);
+        const votess::Network one = in_unit(0, spheres), other = in_unit(exponent, spheres);
+        CHECK(one.edges == other.edges);
+        for (const auto radii : {&votess::Network::vertex_radii, &votess::Network::edge_radii}) {
+            std::vector<double> expected = one.*radii;
+            for (double& radius : expected) radius = std::ldexp(radius, exponent);
+            CHECK(expected == other.*radii);
+        }
+    }
+}
+
 // Many of these have no cell in the domain, or reach places from outside of it.
 TEST_CASE("network: spheres of seeds outside count") {
     for (int trial = 0; trial < 24; ++trial) {
