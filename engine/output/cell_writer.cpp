@@ -92,6 +92,7 @@ bool CellWriter::write(Star& star) {
         write_empty();
         return true;
     }
+    if (want_.vertices && !star.knows_vertices()) return false;
     const auto faces = star.faces();
     face_shifts_.clear();
     if (moved_) find_shifts(faces);
@@ -103,8 +104,6 @@ bool CellWriter::write(Star& star) {
         if (shape == nullptr || !measure_by_kernel(*shape)) return false;
         face_areas_ = std::span(measures_.areas).first(faces.size());
         write_measures();
-    } else if (want_.vertices && !star.knows_vertices()) {
-        return false;
     }
     counters_.faces += faces.size();
     counters_.exact_cells += star.used_exact() ? 1 : 0;

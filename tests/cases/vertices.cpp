@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "support/check.hpp"
@@ -193,6 +194,42 @@ TEST_SUITE("cases") {
     }
 
     // Weights that leave each second cell of a lattice no more than its seed.
+    // Cells far from their seeds and from each other's size. Measures are exact to 1e-10 with vertices that are not.
+    TEST_CASE("vertices: measures do not make them coarser") {
+        for (std::uint64_t seed = 250; seed < 320; ++seed) {
+            CAPTURE(seed);
+            test::Random random(seed);
+            const double size = std::pow(10, random.uniform(-3.3, -2.5));
+            test::Coordinates points;
+            std::vector<double> weights;
+            for (int cluster = 0; cluster < 2; ++cluster) {
+                std::array<double, 3> middle, move;
+                for (double& x : middle) x = random.uniform(0.3, 0.7);
+                for (double& x : move) x = random.uniform(-0.6, 0.6);
+                for (int i = 0; i < 50; ++i) {
+                    double weight = 0;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const double x = size * (random.uniform(-2, 2) + random.uniform(-1, 1));
+                        points.push_back(std::clamp(middle[k] + x, 0.0, 1.0));
+                        weight += move[k] * points.back() + x * x * (1 - 0.2 / size);
+                    }
+                    weights.push_back(weight);
+                }
+            }
+            votess::Options options;
+            options.box = test::cube(0, 1);
+            options.weights = weights;
+            options.want.faces = true;
+            const auto alone = votess::tessellate(points, options);
+            options.want.volumes = options.want.areas = true;
+            const auto measured = votess::tessellate(points, options);
+            REQUIRE(alone.vertices().size() == measured.vertices().size());
+            for (std::size_t k = 0; k < alone.vertices().size(); ++k)
+                CHECK(std::abs(alone.vertices()[k] - measured.vertices()[k]) < 1e-11);
+            CHECK(votess::verify(measured, points).failure == "");
+        }
+    }
+
     TEST_CASE("vertices: power diagrams with cells that are points") {
         const auto set = test::cubic(6);
         std::vector<double> weights;
