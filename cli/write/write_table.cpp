@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "files/numbers.hpp"
@@ -179,10 +180,16 @@ bool is_whole(const std::string& word) {
 // z = 0, as in LAMMPS: other programs read three edges.
 votess::TriclinicBox edges_of(const votess::Tessellation& cells) {
     const votess::Box& box = cells.box();
+    // Rounded up, else points at the upper bound would be outside. The error of a difference: Knuth, TAOCP 2, 4.2.2.
+    const auto length = [&](std::size_t k) {
+        const double lower = box.lower[k], upper = box.upper[k], rounded = upper - lower, part = rounded - upper;
+        const double error = (upper - (rounded - part)) - (lower + part);
+        return error > 0 ? std::nextafter(rounded, std::numeric_limits<double>::infinity()) : rounded;
+    };
     votess::TriclinicBox edges{.origin = box.lower,
-                               .a = {box.upper[0] - box.lower[0], 0, 0},
-                               .b = {0, box.upper[1] - box.lower[1], 0},
-                               .c = {0, 0, box.upper[2] - box.lower[2]},
+                               .a = {length(0), 0, 0},
+                               .b = {0, length(1), 0},
+                               .c = {0, 0, length(2)},
                                .periodic = cells.periodic()};
     if (cells.cell()) edges = *cells.cell();
     if (cells.planar()) edges.origin[2] = -0.5, edges.c = {0, 0, 1};

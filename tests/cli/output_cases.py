@@ -36,6 +36,17 @@ class AlphaComplexes(CliTest):
 
 
 class TextOutput(CliTest):
+    def test_points_at_the_upper_bound(self):
+        """In .xyz, which states lengths and a corner, the sum of both must not fall below the bound."""
+        random = np.random.default_rng(1)
+        for trial in range(12):
+            lower, upper = np.sort(random.uniform(-1, 1, (2, 3)).round(1 + trial % 2), axis=0) + [[0], [0.1]]
+            self.put("a.txt", text_of([upper, lower, (lower + upper) / 2]))
+            box = ",".join(map(repr, [*lower.tolist(), *upper.tolist()]))
+            self.run_cli("a.txt", f"--box={box}", "-o", "b.xyz", "-o", "b.dump")
+            for name in ("b.xyz", "b.dump"):
+                self.run_cli(name, "--verify")
+
     def test_default_format(self):
         self.put("a.txt", CUBE)
         expected = [f"{i} " + " ".join(map(str, row)) for i, row in enumerate(CUBE_NEIGHBORS)]

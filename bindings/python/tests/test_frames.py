@@ -182,6 +182,11 @@ class Files(Folder):
         for step, says in ((0.5, "whole numbers"), (np.nan, "whole numbers")):
             with self.assertRaisesRegex(ValueError, says):
                 vt.write_frames(self.folder / "b.dump", [vt.Frame(0, np.ones((1, 3)), box, step)])
+        edge = vt.Frame(0, [[0.9, 0.3, 0.8], [0.2, 0.1, 0.1]], vt.Domain.box((0.2, 0.1, 0.1, 0.9, 0.3, 0.8)))
+        for name in ("d.xyz", "d.dump"):
+            vt.write_frames(self.folder / name, [edge])
+            found = next(vt.read_frames(self.folder / name))
+            self.assertAlmostEqual(found.tessellate(want="volumes").volumes.sum(), 0.7 * 0.2 * 0.7)
         given = vt.Frame(0, [[0.25, 0.5, 0.75]], box, 0.5, species=["²"])
         vt.write_frames(self.folder / "c.xyz", [given])
         found = next(vt.read_frames(self.folder / "c.xyz"))
