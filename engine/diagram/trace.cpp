@@ -69,7 +69,7 @@ Rays check_rays(const DiagramState& state, std::vector<double> origins, std::vec
                 refuse(name_of(r) + ": component " + number(d[k]) + " of its direction is not finite");
         if (d[0] == 0 && d[1] == 0 && d[2] == 0) refuse(name_of(r) + ": its direction is 0: give another vector");
         if (!(rays.lengths[r] >= 0))
-            refuse(name_of(r) + ": its length " + number(rays.lengths[r]) + " is not 0 or more");
+            refuse(name_of(r) + ": its length " + number(rays.lengths[r]) + " is not 0 or more: give lengths");
     }
     return rays;
 }

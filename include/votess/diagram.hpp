@@ -45,7 +45,7 @@ struct NaturalOptions {
 // Row q starts at indptr[q]: all seeds with a share of query q, ascending, and their weights. Weights are positive,
 // within 1e-12 of the true ones, and sum to 1 within 1e-13; gradients have fewer digits. A query on a seed has that
 // seed alone. A row is empty
-//   - outside the domain, and where there are no seeds
+//   - outside the domain, and where there are no seeds; in periodic domains these are refused
 //   - in all of space where the query's cell reaches infinity: outside of the convex hull of the seeds
 //   - without at_walls where the query's cell has a wall
 //   - where the seeds of a power diagram leave the query no cell
@@ -176,9 +176,9 @@ public:
     // locate().
     //
     // Rows name seeds. N is the query itself, which may be its own neighbor in a small periodic domain. Shifts count
-    // from where the query lies inside the domain. status(): `outside` beyond the domain; `duplicate` at the place of a
-    // seed, whose own cell is the answer, see duplicate_of(); `empty` where the seeds leave no cell, or at the place of
-    // a heavier seed. A probe on a seed of less weight has its cell.
+    // from where the query lies inside the domain. status(): `outside` beyond the box and its walls, also where seeds
+    // there are kept; `duplicate` at the place of a seed, whose own cell is the answer, see duplicate_of(); `empty`
+    // where the seeds leave no cell, or at the place of a heavier seed. A probe on a seed of less weight has its cell.
     //
     // The cells overlap and share no vertices, and stats().volume_sum is not the volume of the domain. So delaunay(),
     // verify() and render() refuse the result; wrapped_points() takes the queries. Throws as locate(); invalid_argument

@@ -242,8 +242,8 @@ class Diagram:
         volumes and other numbers to 1e-10. Neighbors are indices of seeds. N, the number of seeds, is the query itself,
         which may touch its own images in a small periodic domain. Shifts count from the wrapped query.
 
-        ``status`` is OUTSIDE outside of the domain, DUPLICATE at the place of a seed, which ``duplicate_of`` names, and
-        EMPTY where heavier seeds leave no cell. At the place of a lighter seed the query takes its cell. The GIL is
+        ``status`` is OUTSIDE outside of the box and its walls, also with ``outside="keep"``; DUPLICATE at the place of a seed,
+        which ``duplicate_of`` names; EMPTY where heavier seeds leave no cell. At the place of a lighter seed the query takes its cell. The GIL is
         released.
 
         Parameters
