@@ -1,6 +1,7 @@
 #include "verify/certificate.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
 
@@ -80,8 +81,13 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
         }
     }
     const Vector3 diagonal = minus(planes_.domain().box.upper, planes_.domain().box.lower);
+    const auto& sides = planes_.domain().periodic;
+    const bool partly = planes_.domain().is_periodic() && !(sides[0] && sides[1] && sides[2]);
+    measures_ = partly || !result.stats.tiny_faces || !result.face_counts.empty() || !numbers_.volumes.empty() ||
+                !numbers_.centroids.empty() || !numbers_.surface_areas.empty() || !numbers_.security_radii.empty() ||
+                !numbers_.face_areas.empty() || !numbers_.face_normals.empty();
     for (unsigned k = 0; k < pool_.size(); ++k) {
-        workers_.push_back(std::make_unique<Worker>(planes_));
+        workers_.push_back(std::make_unique<Worker>(planes_, result.vertex_image_of));
         workers_.back()->areas.begin(std::min(4 * dot(diagonal, diagonal), std::numeric_limits<double>::max()));
     }
 }
@@ -125,14 +131,8 @@ void Certificate::for_cells(const Task& task) {
 Certificate::Verdict Certificate::prove() {
     for (auto& w : workers_) w->sums.assign(buckets, 0);
     for_cells<true>([&](Worker& w, std::size_t i) {
-        const bool is_outside = !job_.outside.empty() && job_.outside[i] == CellStatus::outside;
-        if (is_outside != (result_.status[i] == CellStatus::outside))
-            w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "seed " + std::to_string(i) +
-                       (is_outside ? " lies outside and is not reported so"
-                                   : " is reported to lie outside, where it does not");
-            });
-        else if (result_.status[i] == CellStatus::certified)
+        if (!has_right_side(w, i)) return;
+        if (result_.status[i] == CellStatus::certified)
             check_cell(w, i);
         else
             check_other(w, i);
@@ -173,6 +173,112 @@ Certificate::Verdict Certificate::prove() {
     return verdict;
 }
 
+// See shared_corners.hpp.
+std::optional<Certificate::Verdict> Certificate::prove_shared() {
+    if (result_.face_offsets.empty() || rows_.shifts.empty() != result_.vertex_image_of.empty()) return {};
+    std::atomic<bool> failed = false;
+    const auto is_good = [](const Worker& w) { return w.fault.text.empty() && w.unsettled.text.empty(); };
+    const auto try_all = [&](const auto& task) {
+        for_cells<true>([&](Worker& w, std::size_t i) {
+            if (!failed.load(std::memory_order_relaxed) && (!task(w, i) || !is_good(w))) failed = true;
+        });
+        return !failed;
+    };
+    const bool shared = try_all([&](Worker& w, std::size_t i) {
+        if (!has_right_side(w, i)) return false;
+        if (result_.status[i] == CellStatus::certified) return check_shared(w, i);
+        check_other(w, i);
+        return true;
+    });
+    Worker sum(planes_);
+    sum.areas.begin(0);
+    std::uint64_t names = 0;
+    for (auto& w : workers_) {
+        names += w->shared.names();
+        sum.areas.add(w->areas);
+        sum.volume += w->volume;
+        sum.doubt += w->doubt;
+    }
+    if (!shared || names != 0 || !shared_cover_once(sum) || !is_good(sum) || !is_good(*workers_.front())) return {};
+    if (std::ranges::find(result_.status, CellStatus::empty) != result_.status.end() &&
+        !try_all([&](Worker& w, std::size_t i) {
+            if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
+            return true;
+        }))
+        return {};
+    Verdict verdict;
+    verdict.proven = true;
+    verdict.tiny_faces = result_.stats.tiny_faces.value_or(sum.areas.count());
+    return verdict;
+}
+
+// Condition 3.
+bool Certificate::shared_cover_once(Worker& sum) {
+    if (std::ranges::find(result_.status, CellStatus::certified) == result_.status.end()) return false;
+    const Domain& domain = planes_.domain();
+    if (endless_.covered_once) return true;
+    if (!domain.is_periodic()) return is_covered_once();
+    if (!(domain.periodic[0] && domain.periodic[1] && domain.periodic[2])) return check_volume(sum), true;
+    double volume = 0;
+    for (const auto& w : workers_) volume += w->shared.volume();
+    const double expected = job_.box_volume * job_.scale * job_.scale * job_.scale;
+    return std::isnormal(expected) && volume > 0.5 * expected && volume < 1.3 * expected;
+}
+
+// Whether a seed is reported to lie outside where it does.
+bool Certificate::has_right_side(Worker& w, std::size_t i) const {
+    const bool is_outside = !job_.outside.empty() && job_.outside[i] == CellStatus::outside;
+    if (is_outside == (result_.status[i] == CellStatus::outside)) return true;
+    w.fault.note(static_cast<std::int64_t>(i), [&] {
+        return "seed " + std::to_string(i) +
+               (is_outside ? " lies outside and is not reported so"
+                           : " is reported to lie outside, where it does not");
+    });
+    return false;
+}
+
+void Certificate::begin_cell(Worker& w, std::size_t i) const {
+    w.owner = static_cast<std::int32_t>(i);
+    if (!result_.duplicate_of.empty() && result_.duplicate_of[i] >= 0)
+        w.fault.note(static_cast<std::int64_t>(i), [&] {
+            return "seed " + std::to_string(i) + " has a cell and is reported to be a duplicate of " +
+                   std::to_string(result_.duplicate_of[i]);
+        });
+}
+
+bool Certificate::check_shared(Worker& w, std::size_t i) {
+    RowPolytope& polytope = w.polytope;
+    begin_cell(w, i);
+    const std::size_t begin = rows_.begin(i), end = rows_.end(i);
+    for (std::size_t entry = begin + 1; entry < end; ++entry)
+        if (result_.indices[entry - 1] >= result_.indices[entry] && !(rows_.label(entry - 1) < rows_.label(entry)))
+            return false;
+    if (!add_row(w, i)) return false;
+    const std::span<const std::int64_t> offsets(result_.face_offsets.data() + begin, end - begin + 1);
+    const std::span<const std::int32_t> all = result_.face_vertices;
+    if (!polytope.close_polygons(offsets, all.subspan(static_cast<std::size_t>(offsets.front()),
+                                                      static_cast<std::size_t>(offsets.back() - offsets.front()))))
+        return false;
+    polytope.begin_corners();
+    if ((!rows_.shifts.empty() && polytope.unit() != 1) || !w.shared.add(polytope, i)) return false;
+    if (!result_.cell_vertex_indptr.empty() && !lists_vertices(w, i)) return false;
+    if (!result_.vertices.empty()) {
+        w.vertices.assign(polytope.vertices().begin(), polytope.vertices().end());
+        for (const int v : w.shared.to_compare()) {
+            polytope.sharpen_corner(v, 0x1p-36);
+            if (is_near(w, i, static_cast<std::size_t>(v))) continue;
+            polytope.sharpen_corner(v, RowPolytope::sharp);
+            check_vertex(w, i, static_cast<std::size_t>(v));
+        }
+    }
+    if (!measures_) return true;
+    for (int v = 0; v < static_cast<int>(polytope.fans().size()); ++v)
+        if (!w.shared.has_place(v) && !polytope.place_corner(v)) return false;
+    polytope.take_fans();
+    check_numbers(w, i);
+    return true;
+}
+
 void Certificate::unsettle(Worker& w, std::size_t i, const char* why) {
     w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + ' ' + why; });
 }
@@ -196,12 +302,7 @@ void Certificate::for_neighbors(const Name& of, const Visit& visit) const {
 }
 
 void Certificate::check_cell(Worker& w, std::size_t i) {
-    w.owner = static_cast<std::int32_t>(i);
-    if (!result_.duplicate_of.empty() && result_.duplicate_of[i] >= 0)
-        w.fault.note(static_cast<std::int64_t>(i), [&] {
-            return "seed " + std::to_string(i) + " has a cell and is reported to be a duplicate of " +
-                   std::to_string(result_.duplicate_of[i]);
-        });
+    begin_cell(w, i);
     if (!build(w, i)) return;
     check_numbers(w, i);
     name_planes(w, i);
@@ -512,31 +613,53 @@ void Certificate::add_polygons(Worker& w, std::size_t i) const {
     }
 }
 
+// Whether the vertices of a cell are those of its closed polygons, ascending.
+bool Certificate::lists_vertices(Worker& w, std::size_t i) const {
+    const auto begin = static_cast<std::size_t>(result_.cell_vertex_indptr[i]),
+               end = static_cast<std::size_t>(result_.cell_vertex_indptr[i + 1]);
+    bool good = end - begin == w.polytope.vertices().size();
+    std::int32_t before = -1;
+    for (std::size_t c = begin; c < end && good; ++c) {
+        const std::int32_t v = result_.cell_vertex_indices[c];
+        good = before < v && w.polytope.corner_of(v) >= 0;
+        before = v;
+    }
+    return good;
+}
+
 // Compares the places of vertices with the corners.
 void Certificate::check_vertices(Worker& w, std::size_t i) const {
-    const RowPolytope& polytope = w.polytope;
+    for (std::size_t v = 0; v < w.vertices.size(); ++v)
+        if (!is_near(w, i, v)) check_vertex(w, i, v);
+}
+
+bool Certificate::is_near(const Worker& w, std::size_t i, std::size_t v) const {
     const Vector3 place = planes_.place(i);
-    const double per_unit = 1 / polytope.unit();
-    for (std::size_t v = 0; v < w.vertices.size(); ++v) {
-        const RowPolytope::Corner& corner = polytope.corners()[v];
-        const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
-        const double square = dot(corner.at, corner.at);
-        Vector3 off;
-        for (std::size_t k = 0; k < 3; ++k) off[k] = given[k] * job_.scale - (place[k] + corner.at[k] * per_unit);
-        const double near = 0.5 * run_.tolerance.cell * per_unit;
-        if (square > 0x1p-900 && dot(off, off) <= near * near * square) continue;
-        const double length =
-            (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double x = place[k] + corner.at[k] * per_unit, allowed = 2 * corner.error * per_unit +
-                                                                           run_.tolerance.cell * length +
-                                                                           0x1p-48 * (std::abs(x) + length);
-            if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
-            w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "vertex " + std::to_string(w.vertices[v]) + " of cell " + std::to_string(i) + " has " +
-                       "xyz"[k] + " = " + number(given[k]) + ", its faces meet at " + number(x * unscale_);
-            });
-        }
+    const Vector3& at = w.polytope.corners()[v].at;
+    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
+    const double square = dot(at, at), per_unit = 1 / w.polytope.unit();
+    Vector3 off;
+    for (std::size_t k = 0; k < 3; ++k) off[k] = given[k] * job_.scale - (place[k] + at[k] * per_unit);
+    const double near = 0.5 * run_.tolerance.cell * per_unit;
+    return square > 0x1p-900 && dot(off, off) <= near * near * square;
+}
+
+void Certificate::check_vertex(Worker& w, std::size_t i, std::size_t v) const {
+    const Vector3 place = planes_.place(i);
+    const RowPolytope::Corner& corner = w.polytope.corners()[v];
+    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
+    const double square = dot(corner.at, corner.at), per_unit = 1 / w.polytope.unit();
+    const double length =
+        (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double x = place[k] + corner.at[k] * per_unit,
+                     allowed = 2 * corner.error * per_unit + run_.tolerance.cell * length +
+                               0x1p-48 * (std::abs(x) + length);
+        if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
+        w.fault.note(static_cast<std::int64_t>(i), [&] {
+            return "vertex " + std::to_string(w.vertices[v]) + " of cell " + std::to_string(i) + " has " + "xyz"[k] +
+                   " = " + number(given[k]) + ", its faces meet at " + number(x * unscale_);
+        });
     }
 }
 
@@ -764,7 +887,7 @@ bool Certificate::is_covered_once() {
     Vector3 place;
     const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);
     if (!owner) return false;
-    for_cells<true>([&](Worker& w, std::size_t i) {
+    for_cells<false>([&](Worker& w, std::size_t i) {
         if (i == *owner || result_.status[i] != CellStatus::certified) return;
         const Vector3 from = minus(place, planes_.place(i));
         const double length = length3(from[0], from[1], from[2]);

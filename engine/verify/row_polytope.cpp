@@ -150,72 +150,121 @@ bool RowPolytope::guess_from(int a, std::array<int, 3>& start) {
 
 // Each corner has a polygon in each of its three planes a, b, c. In turn, the corner after it in one is that before it
 // in the next: both polygons have this edge, in opposite directions. So each edge of a corner has its second end among
-// the corners, and a polygon follows the edges of its face. It meets no corner twice, since a, b, c differ.
-bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
-    const int n = planes();
+// the corners, and a polygon follows the edges of its face. It meets no corner twice, if a, b, c differ.
+bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
+    const auto n = names_.size();
     const std::size_t count = vertices.size() / 3;
     seems_open_ = false;
-    if (n < 4 || n > max_sure_planes || vertices.size() % 3 != 0 || count < 4) return false;
-    tight_.clear();
-    corners_.resize(count);
-    edges_.resize(vertices.size());
+    // In a polytope with three faces at each corner, by Euler's formula
+    if (n < 4 || n > max_sure_planes || vertices.size() != 3 * count || count != 2 * n - 4) return false;
     vertices_.resize(count + 1);
-    fans_.resize(count + 1);
-    faces_.assign(at(n), 0);
-    std::size_t found = 0, edge = 0;
-    const auto bits = static_cast<unsigned>(std::bit_width(3 * count));
-    const std::size_t size = std::size_t{1} << bits;
-    table_.assign(size, {-1, 0});
+    fans_.resize(count);
     slots_.resize(vertices.size());
+    sides_.resize(4 * count);
+    used_.resize(count + 1);
+    table_bits_ = static_cast<unsigned>(std::bit_width(3 * count));
+    const std::size_t mask = (std::size_t{1} << table_bits_) - 1;
+    if (table_.size() <= mask) table_.resize(mask + 1);
+    if (++table_turn_ == 1u << Entry::turn_bits) {
+        std::ranges::fill(table_, Entry{});
+        table_turn_ = 1;
+    }
+    std::size_t found = 0;
     bool any_negative = false;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const std::int32_t id = vertices[k];
         any_negative |= id < 0;
-        std::size_t h = static_cast<std::uint32_t>(id) * 0x9e3779b1u >> (32 - bits);
-        while (table_[h].id != id && table_[h].id >= 0) h = (h + 1) & (size - 1);
+        std::size_t h = place_of(id);
+        while (table_[h].turn == table_turn_ && table_[h].id != id) h = (h + 1) & mask;
         // Whether it is new is hard to foretell, so both go one way.
-        const bool is_new = table_[h].id != id;
-        const std::int32_t corner = is_new ? static_cast<std::int32_t>(found) : table_[h].corner;
-        table_[h] = {id, corner};
-        slots_[k] = corner;
+        const bool is_new = table_[h].turn != table_turn_;
+        const std::uint32_t corner = is_new ? static_cast<std::uint32_t>(found) : table_[h].corner;
+        table_[h] = {id, table_turn_, corner};
+        slots_[k] = static_cast<std::uint16_t>(corner);
         vertices_[found] = id;
-        fans_[found].used = 0;
+        used_[found] = 0;
         found += is_new ? 1 : 0;
         if (found > count) return false;
     }
     if (found != count || any_negative) return false;
     vertices_.resize(count);
-    for (int f = 0; f < n; ++f) {
-        const auto begin = static_cast<std::size_t>(offsets[at(f)] - offsets[0]),
-                   end = static_cast<std::size_t>(offsets[at(f) + 1] - offsets[0]);
+    for (std::size_t f = 0; f < n; ++f) {
+        const auto begin = static_cast<std::size_t>(offsets[f] - offsets[0]),
+                   end = static_cast<std::size_t>(offsets[f + 1] - offsets[0]);
         if (begin == end) return false;
-        faces_[at(f)] = 1;
-        int before = slots_[end - 1], corner = slots_[begin];
+        std::uint16_t before = slots_[end - 1], corner = slots_[begin];
         for (std::size_t k = begin; k < end; ++k) {
-            const int after = slots_[k + 1 == end ? begin : k + 1];
-            Fan& fan = fans_[at(corner)];
-            if (fan.used == 3) return false;
-            const std::size_t side = at(fan.used++);
-            fan.planes[side] = f, fan.before[side] = before, fan.after[side] = after;
+            const std::uint16_t after = slots_[k + 1 == end ? begin : k + 1];
+            sides_[4 * std::size_t{corner} + (used_[corner]++ & 3)] = {static_cast<std::uint16_t>(f), before, after, 0};
             before = corner, corner = after;
         }
     }
-    for (int v = 0; v < static_cast<int>(count); ++v) {
-        const Fan& fan = fans_[at(v)];
-        if (fan.used != 3) return false;
-        const std::size_t second = fan.after[0] == fan.before[1] ? 1 : 2, third = 3 - second;
-        if (fan.after[0] != fan.before[second] || fan.after[second] != fan.before[third] ||
-            fan.after[third] != fan.before[0] || fan.after[0] == fan.after[1] || fan.after[0] == fan.after[2] ||
-            fan.after[1] == fan.after[2])
-            return false;
-        if (!loops_.sure_corner(p_, fan.planes[0], fan.planes[third], fan.planes[second], corners_[at(v)]))
-            return false;
-        for (const auto& [f, g] : {std::array{std::size_t{0}, second}, {second, third}, {third, std::size_t{0}}}) {
-            edges_[edge] = {v, fan.after[f], fan.planes[f], fan.planes[g]};
-            edge += v < fan.after[f] ? 1 : 0;
-        }
+    bool closed = true;
+    for (std::size_t v = 0; v < count; ++v) {
+        const Side& a = sides_[4 * v];
+        const bool in_turn = a.after == sides_[4 * v + 1].before;
+        const Side &c = sides_[4 * v + (in_turn ? 1 : 2)], &b = sides_[4 * v + (in_turn ? 2 : 1)];
+        closed &= (used_[v] == 3) & (a.after == c.before) & (c.after == b.before) & (b.after == a.before) &
+                  (a.after != b.after) & (b.after != c.after) & (c.after != a.after);
+        fans_[v] = {{a.plane, b.plane, c.plane}, {a.after, b.after, c.after}};
     }
-    edges_.resize(edge);
+    return closed;
+}
+
+int RowPolytope::corner_of(std::int32_t vertex) const {
+    const std::size_t mask = (std::size_t{1} << table_bits_) - 1;
+    std::size_t h = place_of(vertex);
+    while (table_[h].turn == table_turn_ && table_[h].id != vertex) h = (h + 1) & mask;
+    return table_[h].turn == table_turn_ ? static_cast<int>(table_[h].corner) : -1;
+}
+
+bool RowPolytope::place_corner(int v) {
+    const auto& [a, b, c] = fans_[at(v)].planes;
+    return meet(p_, a, b, c, corners_[at(v)]);
+}
+
+bool RowPolytope::is_inside(int v, int plane) {
+    const Corner& corner = corners_[at(v)];
+    const double slack = p_.d[at(plane)] - dot(normal(plane), corner.at),
+                 bound = corner.slope * p_.length[at(plane)] + corner.constant * p_.size[at(plane)] + filter_underflow;
+    if (slack > bound) return true;
+    if (slack < -bound) return false;
+    const auto& [a, b, c] = corner.planes;
+    (void)source(a);
+    return exact::side_of_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)],
+                                 sources_[at(plane)]) < 0;
+}
+
+bool RowPolytope::is_surely_inside(int v, const RoundedPlane& plane) const {
+    const Corner& corner = corners_[at(v)];
+    return is_ordinary(plane.length, plane.size) &&
+           plane.d - dot(plane.n, corner.at) >
+               corner.slope * plane.length + corner.constant * plane.size + filter_underflow;
+}
+
+void RowPolytope::begin_corners() {
+    tight_.clear();
+    corners_.resize(fans_.size());
+}
+
+void RowPolytope::take_fans() {
+    faces_.assign(names_.size(), 1);
+    edges_.clear();
+    for (int v = 0; v < static_cast<int>(fans_.size()); ++v) {
+        const Fan& fan = fans_[at(v)];
+        for (std::size_t k = 0; k < 3; ++k)
+            if (v < fan.after[k]) edges_.push_back({v, fan.after[k], fan.planes[k], fan.planes[k == 0 ? 2 : k - 1]});
+    }
+}
+
+bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
+    if (!close_polygons(offsets, vertices)) return false;
+    begin_corners();
+    for (std::size_t v = 0; v < fans_.size(); ++v) {
+        const auto& [a, b, c] = fans_[v].planes;
+        if (!loops_.sure_corner(p_, a, b, c, corners_[v])) return false;
+    }
+    take_fans();
     return true;
 }
 
