@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/progress.hpp"
-#include "core/scrambled.hpp"
 #include "core/text.hpp"
 #include "result/arrays.hpp"
 
@@ -20,9 +19,6 @@ constexpr std::size_t cells_at_once = 256;
 constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
 constexpr std::size_t max_tried_places = 64;
-// Odd numbers without a pattern, which make sums of different terms differ.
-constexpr std::uint64_t factor_a = 0x8ebc6af09c88c6e3, factor_b = 0x589965cc75374cc3, factor_c = 0x1d8e4e27c47d124f,
-                        factor_d = 0xd6e8feb86659fd93;
 
 std::string text_of(const Name& name) {
     std::string text = std::to_string(name.id);
@@ -30,10 +26,6 @@ std::string text_of(const Name& name) {
         text += " (shift " + std::to_string(name.shift[0]) + " " + std::to_string(name.shift[1]) + " " +
                 std::to_string(name.shift[2]) + ")";
     return text;
-}
-
-std::uint64_t random_of(std::int32_t id) {
-    return scrambled(0x243f6a8885a308d3 + static_cast<std::uint32_t>(id));
 }
 
 // Linear in the shift.
@@ -99,7 +91,7 @@ bool Certificate::is_live(std::int32_t id) const {
 
 // Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere. Inline, since compilers
 // drop calls of functions without another effect.
-void Certificate::prefetch(std::size_t i) const {
+void Certificate::prefetch(Prefetch what, std::size_t i) const {
     const std::span<const double> points = job_.points.f64;
     for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !points.empty(); ++e)
         if (is_live(result_.indices[e])) {
@@ -107,22 +99,21 @@ void Certificate::prefetch(std::size_t i) const {
             __builtin_prefetch(seed);
             __builtin_prefetch(seed + 2);
         }
-    if (result_.cell_vertex_indptr.empty() || result_.vertices.empty()) return;
-    for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c) {
-        const auto v = static_cast<std::size_t>(result_.cell_vertex_indices[static_cast<std::size_t>(c)]);
-        __builtin_prefetch(&result_.vertices[3 * v]);
-        __builtin_prefetch(&result_.vertices[3 * v + 2]);
+    if (what != Prefetch::all || result_.cell_vertex_indptr.empty() || result_.vertices.empty()) return;
+    for (const std::int32_t v : vertices_of(i)) {
+        __builtin_prefetch(&result_.vertices[3 * static_cast<std::size_t>(v)]);
+        __builtin_prefetch(&result_.vertices[3 * static_cast<std::size_t>(v) + 2]);
     }
 }
 
-template <bool with_prefetch, class Task>
+template <Certificate::Prefetch what, class Task>
 void Certificate::for_cells(const Task& task) {
     const std::size_t count = result_.status.size();
     pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
         check_stop();
         const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
         for (std::size_t i = begin; i < end; ++i) {
-            if (with_prefetch && i + 1 < end) prefetch(i + 1);
+            if (what != Prefetch::none && i + 1 < end) prefetch(what, i + 1);
             task(*workers_[worker], i);
         }
     });
@@ -130,7 +121,7 @@ void Certificate::for_cells(const Task& task) {
 
 Certificate::Verdict Certificate::prove() {
     for (auto& w : workers_) w->sums.assign(buckets, 0);
-    for_cells<true>([&](Worker& w, std::size_t i) {
+    for_cells<Prefetch::all>([&](Worker& w, std::size_t i) {
         if (!has_right_side(w, i)) return;
         if (result_.status[i] == CellStatus::certified)
             check_cell(w, i);
@@ -156,9 +147,9 @@ Certificate::Verdict Certificate::prove() {
     }
     if (combine()) check_volume(sum);
     if (combine() && std::ranges::any_of(open_names_, [](std::uint64_t s) { return s != 0; }))
-        for_cells<true>([&](Worker& w, std::size_t i) { check_names(w, i); });
+        for_cells<Prefetch::all>([&](Worker& w, std::size_t i) { check_names(w, i); });
     if (combine())
-        for_cells<false>([&](Worker& w, std::size_t i) {
+        for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
             if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
         });
     Verdict verdict;
@@ -179,7 +170,7 @@ std::optional<Certificate::Verdict> Certificate::prove_shared() {
     std::atomic<bool> failed = false;
     const auto is_good = [](const Worker& w) { return w.fault.text.empty() && w.unsettled.text.empty(); };
     const auto try_all = [&](const auto& task) {
-        for_cells<true>([&](Worker& w, std::size_t i) {
+        for_cells<Prefetch::seeds>([&](Worker& w, std::size_t i) {
             if (!failed.load(std::memory_order_relaxed) && (!task(w, i) || !is_good(w))) failed = true;
         });
         return !failed;
@@ -261,7 +252,7 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
         return false;
     polytope.begin_corners();
     if ((!rows_.shifts.empty() && polytope.unit() != 1) || !w.shared.add(polytope, i)) return false;
-    if (!result_.cell_vertex_indptr.empty() && !lists_vertices(w, i)) return false;
+    if (!result_.cell_vertex_indptr.empty() && !polytope.has_vertices(vertices_of(i))) return false;
     if (!result_.vertices.empty()) {
         w.vertices.assign(polytope.vertices().begin(), polytope.vertices().end());
         for (const int v : w.shared.to_compare()) {
@@ -515,8 +506,7 @@ void Certificate::check_polygons(Worker& w, std::size_t i) {
         for (const std::int32_t v : w.vertices) sum += random_of(v);
         std::int32_t before = -1;
         bool ascend = true;
-        for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c) {
-            const std::int32_t v = result_.cell_vertex_indices[static_cast<std::size_t>(c)];
+        for (const std::int32_t v : vertices_of(i)) {
             sum -= random_of(v);
             ascend = ascend && before < v;
             before = v;
@@ -613,18 +603,10 @@ void Certificate::add_polygons(Worker& w, std::size_t i) const {
     }
 }
 
-// Whether the vertices of a cell are those of its closed polygons, ascending.
-bool Certificate::lists_vertices(Worker& w, std::size_t i) const {
+std::span<const std::int32_t> Certificate::vertices_of(std::size_t i) const {
     const auto begin = static_cast<std::size_t>(result_.cell_vertex_indptr[i]),
                end = static_cast<std::size_t>(result_.cell_vertex_indptr[i + 1]);
-    bool good = end - begin == w.polytope.vertices().size();
-    std::int32_t before = -1;
-    for (std::size_t c = begin; c < end && good; ++c) {
-        const std::int32_t v = result_.cell_vertex_indices[c];
-        good = before < v && w.polytope.corner_of(v) >= 0;
-        before = v;
-    }
-    return good;
+    return std::span<const std::int32_t>(result_.cell_vertex_indices).subspan(begin, end - begin);
 }
 
 // Compares the places of vertices with the corners.
@@ -887,7 +869,7 @@ bool Certificate::is_covered_once() {
     Vector3 place;
     const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);
     if (!owner) return false;
-    for_cells<false>([&](Worker& w, std::size_t i) {
+    for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
         if (i == *owner || result_.status[i] != CellStatus::certified) return;
         const Vector3 from = minus(place, planes_.place(i));
         const double length = length3(from[0], from[1], from[2]);

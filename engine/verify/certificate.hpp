@@ -110,9 +110,10 @@ private:
         std::vector<UnlistedWall> walls;
     };
 
-    template <bool with_prefetch, class Task>
+    enum class Prefetch : std::uint8_t { none, seeds, all };
+    template <Prefetch what, class Task>
     void for_cells(const Task& task);
-    [[gnu::always_inline]] inline void prefetch(std::size_t i) const;
+    [[gnu::always_inline]] inline void prefetch(Prefetch what, std::size_t i) const;
     [[nodiscard]] bool is_live(std::int32_t id) const;
     [[nodiscard]] RowPolytope::Name name(std::size_t entry) const;
     void check_cell(Worker& w, std::size_t i);
@@ -131,7 +132,7 @@ private:
     void check_polygons(Worker& w, std::size_t i);
     [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;
     void add_polygons(Worker& w, std::size_t i) const;
-    [[nodiscard]] bool lists_vertices(Worker& w, std::size_t i) const;
+    [[nodiscard]] std::span<const std::int32_t> vertices_of(std::size_t i) const;
     void check_vertices(Worker& w, std::size_t i) const;
     [[nodiscard]] bool is_near(const Worker& w, std::size_t i, std::size_t corner) const;
     void check_vertex(Worker& w, std::size_t i, std::size_t corner) const;

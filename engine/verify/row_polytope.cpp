@@ -157,65 +157,94 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
     seems_open_ = false;
     // In a polytope with three faces at each corner, by Euler's formula
     if (n < 4 || n > max_sure_planes || vertices.size() != 3 * count || count != 2 * n - 4) return false;
-    vertices_.resize(count + 1);
+    vertices_.resize(vertices.size());
     fans_.resize(count);
     slots_.resize(vertices.size());
     sides_.resize(4 * count);
-    used_.resize(count + 1);
-    table_bits_ = static_cast<unsigned>(std::bit_width(3 * count));
+    begin_table(count);
+    // Pointers and numbers that no store may change.
+    std::uint64_t *const table = table_.data(), *const sides = sides_.data();
+    std::uint16_t* const slots = slots_.data();
+    std::int32_t* const known = vertices_.data();
     const std::size_t mask = (std::size_t{1} << table_bits_) - 1;
-    if (table_.size() <= mask) table_.resize(mask + 1);
-    if (++table_turn_ == 1u << Entry::turn_bits) {
-        std::ranges::fill(table_, Entry{});
-        table_turn_ = 1;
-    }
-    std::size_t found = 0;
-    bool any_negative = false;
+    const std::uint64_t turn = table_turn_;
+    const unsigned down = 32 - table_bits_;
+    std::uint64_t found = 0;
+    std::int32_t any = 0;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
-        const std::int32_t id = vertices[k];
-        any_negative |= id < 0;
-        std::size_t h = place_of(id);
-        while (table_[h].turn == table_turn_ && table_[h].id != id) h = (h + 1) & mask;
+        const std::int32_t vertex = vertices[k];
+        any |= vertex;
+        const auto id = static_cast<std::uint32_t>(vertex);
+        const std::uint64_t wanted = std::uint64_t{id} << 32 | turn;
+        std::size_t h = id * hash_factor >> down;
+        std::uint64_t off = table[h] ^ wanted;
+        while (is_other(off)) h = (h + 1) & mask, off = table[h] ^ wanted;
         // Whether it is new is hard to foretell, so both go one way.
-        const bool is_new = table_[h].turn != table_turn_;
-        const std::uint32_t corner = is_new ? static_cast<std::uint32_t>(found) : table_[h].corner;
-        table_[h] = {id, table_turn_, corner};
-        slots_[k] = static_cast<std::uint16_t>(corner);
-        vertices_[found] = id;
-        used_[found] = 0;
+        const bool is_new = off >= turn_unit;
+        const std::uint64_t corner = is_new ? found : off;
+        table[h] = wanted | corner;
+        slots[k] = static_cast<std::uint16_t>(corner);
+        known[corner] = vertex;
         found += is_new ? 1 : 0;
-        if (found > count) return false;
     }
-    if (found != count || any_negative) return false;
+    if (found != count || any < 0) return false;
+    used_.assign(count, 0);
+    std::uint16_t* const used = used_.data();
     vertices_.resize(count);
+    const auto first = static_cast<std::size_t>(offsets[0]);
     for (std::size_t f = 0; f < n; ++f) {
-        const auto begin = static_cast<std::size_t>(offsets[f] - offsets[0]),
-                   end = static_cast<std::size_t>(offsets[f + 1] - offsets[0]);
+        const std::size_t begin = static_cast<std::size_t>(offsets[f]) - first,
+                          end = static_cast<std::size_t>(offsets[f + 1]) - first;
         if (begin == end) return false;
-        std::uint16_t before = slots_[end - 1], corner = slots_[begin];
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::uint16_t after = slots_[k + 1 == end ? begin : k + 1];
-            sides_[4 * std::size_t{corner} + (used_[corner]++ & 3)] = {static_cast<std::uint16_t>(f), before, after, 0};
+        std::uint64_t before = slots[end - 1], corner = slots[begin];
+        const auto add = [&](std::uint64_t after) {
+            sides[4 * corner + (used[corner]++ & 3)] = f | before << 16 | after << 32;
             before = corner, corner = after;
-        }
+        };
+        for (std::size_t k = begin + 1; k < end; ++k) add(slots[k]);
+        add(slots[begin]);
     }
-    bool closed = true;
+    std::uint64_t wrong = 0;
     for (std::size_t v = 0; v < count; ++v) {
-        const Side& a = sides_[4 * v];
-        const bool in_turn = a.after == sides_[4 * v + 1].before;
-        const Side &c = sides_[4 * v + (in_turn ? 1 : 2)], &b = sides_[4 * v + (in_turn ? 2 : 1)];
-        closed &= (used_[v] == 3) & (a.after == c.before) & (c.after == b.before) & (b.after == a.before) &
-                  (a.after != b.after) & (b.after != c.after) & (c.after != a.after);
-        fans_[v] = {{a.plane, b.plane, c.plane}, {a.after, b.after, c.after}};
+        const auto plane = [](std::uint64_t side) { return static_cast<int>(side & 0xffff); };
+        const auto before = [](std::uint64_t side) { return side >> 16 & 0xffff; };
+        const auto after = [](std::uint64_t side) { return side >> 32; };
+        const std::uint64_t a = sides[4 * v], second = sides[4 * v + 1], third = sides[4 * v + 2];
+        const bool in_turn = after(a) == before(second);
+        const std::uint64_t c = in_turn ? second : third, b = in_turn ? third : second;
+        wrong |= (used[v] ^ 3u) | (after(a) ^ before(c)) | (after(c) ^ before(b)) | (after(b) ^ before(a));
+        wrong |= after(a) == after(b) || after(b) == after(c) || after(c) == after(a) ? 1 : 0;
+        fans_[v] = {{plane(a), plane(b), plane(c)},
+                    {static_cast<int>(after(a)), static_cast<int>(after(b)), static_cast<int>(after(c))}};
     }
-    return closed;
+    return wrong == 0;
 }
 
-int RowPolytope::corner_of(std::int32_t vertex) const {
+// Clears the table by a new turn.
+void RowPolytope::begin_table(std::size_t count) {
+    constexpr unsigned min_bits = 10;  // few vertices meet in a place
+    table_bits_ = std::max(min_bits, static_cast<unsigned>(std::bit_width(6 * count)));
+    const std::size_t size = std::size_t{1} << table_bits_;
+    if (table_.size() < size) table_.resize(size);
+    table_turn_ += turn_unit;
+    if (table_turn_ >> 32 == 0) return;
+    std::ranges::fill(table_, 0);
+    table_turn_ = turn_unit;
+}
+
+bool RowPolytope::has_vertices(std::span<const std::int32_t> ids) const {
     const std::size_t mask = (std::size_t{1} << table_bits_) - 1;
-    std::size_t h = place_of(vertex);
-    while (table_[h].turn == table_turn_ && table_[h].id != vertex) h = (h + 1) & mask;
-    return table_[h].turn == table_turn_ ? static_cast<int>(table_[h].corner) : -1;
+    std::int32_t before = -1;
+    bool good = ids.size() == vertices_.size();
+    for (const std::int32_t v : ids) {
+        const auto id = static_cast<std::uint32_t>(v);
+        const std::uint64_t wanted = std::uint64_t{id} << 32 | table_turn_;
+        std::size_t h = id * hash_factor >> (32 - table_bits_);
+        while (is_other(table_[h] ^ wanted)) h = (h + 1) & mask;
+        good &= before < v && (table_[h] ^ wanted) < turn_unit;
+        before = v;
+    }
+    return good;
 }
 
 bool RowPolytope::place_corner(int v) {

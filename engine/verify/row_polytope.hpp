@@ -85,8 +85,8 @@ public:
     [[nodiscard]] bool close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
     // Returns the fans of the last close_polygons() that returned true, by corner.
     [[nodiscard]] std::span<const Fan> fans() const { return fans_; }
-    // Returns the corner of a vertex of these, or -1.
-    [[nodiscard]] int corner_of(std::int32_t vertex) const;
+    // Whether these are all vertices of the polygons, ascending.
+    [[nodiscard]] bool has_vertices(std::span<const std::int32_t> ids) const;
     // Makes room for the corners of fans, without places.
     void begin_corners();
     // Finds the place of a corner. Returns false unless its normals certainly turn as its fan does.
@@ -183,23 +183,20 @@ private:
     std::vector<Half> waiting_;
     std::vector<Fan> fans_;
     std::vector<std::int32_t> vertices_;
-    struct Entry {  // of a hash table of vertices; those of other turns are free
-        static constexpr unsigned turn_bits = 20, corner_bits = 12;
-        std::int32_t id = 0;
-        std::uint32_t turn : turn_bits = 0, corner : corner_bits = 0;
-    };
-    std::vector<Entry> table_;
+    // A hash table of vertices: the vertex (32 bits), the turn (20), the corner (12). Those of other turns are free.
+    static constexpr std::uint64_t turn_unit = 1 << 12;
+    static constexpr std::uint32_t hash_factor = 0x9e3779b1;
+    std::vector<std::uint64_t> table_;
+    std::uint64_t table_turn_ = 0;
     unsigned table_bits_ = 1;
-    std::uint32_t table_turn_ = 0;
-    [[nodiscard]] std::size_t place_of(std::int32_t vertex) const {
-        return static_cast<std::uint32_t>(vertex) * 0x9e3779b1u >> (32 - table_bits_);
+    void begin_table(std::size_t vertices);
+    // Whether an entry is that of another vertex. off: of the entry from the wanted vertex and turn.
+    static bool is_other(std::uint64_t off) {
+        return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit;
     }
     std::vector<std::uint16_t> slots_;  // corners by place in the polygons
-    struct Side {                       // of a corner in one polygon
-        std::uint16_t plane, before, after, unused;
-    };
-    std::vector<Side> sides_;            // four for each corner, the last of which is not used
-    std::vector<std::uint32_t> used_;    // sides of each corner
+    std::vector<std::uint64_t> sides_;  // four for each corner: the plane of a polygon, the corner before and after
+    std::vector<std::uint16_t> used_;   // sides of each corner
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
     std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly
     std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes

@@ -1,15 +1,15 @@
 #include "verify/shared_corners.hpp"
 
+#include <algorithm>
+#include <limits>
+
+#include "core/at.hpp"
 #include "core/scrambled.hpp"
 
 namespace votess {
 namespace {
 
 constexpr std::uint32_t seed_code = 4, four_seeds = 3 * seed_code;
-// Odd numbers without a pattern, which make sums of different terms differ.
-constexpr std::uint64_t factor_a = 0x8ebc6af09c88c6e3, factor_b = 0x589965cc75374cc3, factor_c = 0x1d8e4e27c47d124f,
-                        factor_d = 0xd6e8feb86659fd93, factor_e = 0xa0761d6478bd642f, factor_f = 0xe7037ed1a0b428db;
-
 // The factor of the j-th of k seeds is number 4 (k - 1) + j. Those of k seeds sum to 0.
 constexpr std::array<std::uint64_t, 16> shares{
     0,        0,        0,                      0,  //
@@ -17,7 +17,7 @@ constexpr std::array<std::uint64_t, 16> shares{
     factor_b, factor_c, -(factor_b + factor_c), 0,  //
     factor_d, factor_e, factor_f,               -(factor_d + factor_e + factor_f)};
 
-// Orthogonal triples: e, and two directions across it. Nothing lies along them in a common lattice.
+// Two directions, at right angles to which is e. Nothing lies along them in a common lattice.
 using Frame = std::array<Vector3, 2>;
 constexpr std::array<Frame, 2> frames{
     Frame{Vector3{0.3651483716701107, -0.8164965809277260, 0.4472135954999579},
@@ -29,7 +29,7 @@ constexpr std::array<Frame, 2> frames{
 
 // A. The sign of det(e, f, g) is that of the turn from f to g about e. Frames need not be orthogonal: e is at right
 // angles to both vectors, and any linear map of these keeps or turns all signs. Bounds as in row_polytope.hpp.
-bool SharedCorners::has_one_top(const RowPolytope& polytope, std::size_t direction) {
+void SharedCorners::look_along(const RowPolytope& polytope, std::size_t direction) {
     const auto& [first, second] = frames[direction];
     const PlaneArrays& p = polytope.arrays();
     for (std::size_t f = 0; f < sides_.size(); ++f) {
@@ -37,18 +37,20 @@ bool SharedCorners::has_one_top(const RowPolytope& polytope, std::size_t directi
         sides_[f].across = (p.nx[f] * first[0] + p.ny[f] * first[1] + p.nz[f] * first[2]) * inverse;
         sides_[f].along = (p.nx[f] * second[0] + p.ny[f] * second[1] + p.nz[f] * second[2]) * inverse;
     }
-    std::size_t tops = 0, others = 0;
-    for (const RowPolytope::Fan& fan : polytope.fans()) {
-        const Side &a = sides_[static_cast<std::size_t>(fan.planes[0])],
-                   &b = sides_[static_cast<std::size_t>(fan.planes[1])],
-                   &c = sides_[static_cast<std::size_t>(fan.planes[2])];
-        const double ab = a.across * b.along - a.along * b.across, bc = b.across * c.along - b.along * c.across,
-                     ca = c.across * a.along - c.along * a.across;
-        const double low = std::min(ab, bc), least = std::min(low, ca);
-        tops += least > filter_bound ? 1 : 0;
-        others += least < -filter_bound ? 1 : 0;
-    }
-    return tops == 1 && others + 1 == polytope.fans().size();
+}
+
+// Returns 1 if a corner is certainly on top, 0 if certainly not, more if that is not certain.
+inline int SharedCorners::top_of(const Side& a, const Side& b, const Side& c) {
+    const double ab = a.across * b.along - a.along * b.across, bc = b.across * c.along - b.along * c.across,
+                 ca = c.across * a.along - c.along * a.across, low = ab < bc ? ab : bc, least = low < ca ? low : ca;
+    return least < -filter_bound ? 0 : least > filter_bound ? 1 : 2;
+}
+
+bool SharedCorners::has_one_top(const RowPolytope& polytope) {
+    int tops = 0;
+    for (const RowPolytope::Fan& fan : polytope.fans())
+        tops += top_of(sides_[at(fan.planes[0])], sides_[at(fan.planes[1])], sides_[at(fan.planes[2])]);
+    return tops == 1;
 }
 
 void SharedCorners::name_sides(const RowPolytope& polytope, std::size_t seed) {
@@ -57,9 +59,12 @@ void SharedCorners::name_sides(const RowPolytope& polytope, std::size_t seed) {
     for (std::size_t f = 0; f < names.size(); ++f) {
         const RowPolytope::Name& other = names[f];
         Side& side = sides_[f];
-        side.random = scrambled(0x243f6a8885a308d3 + static_cast<std::uint32_t>(other.id));
+        side.random = random_of(other.id);
         const bool is_before = other.id != self ? other.id < self : other.shift < exact::Shift{};
         side.code = other.id < 0 ? 0 : seed_code + (is_before ? 1 : 0);
+        const bool is_lower = other.id >= 0 && is_before;
+        side.as_left = is_lower ? std::numeric_limits<std::int32_t>::max() : static_cast<std::int32_t>(f);
+        side.as_right = is_lower ? -1 : static_cast<std::int32_t>(f);
         if (images_.empty()) continue;
         side.shift = side.products = side.squares = 0;
         if (other.id < 0 || is_zero(other.shift)) continue;
@@ -87,71 +92,106 @@ bool SharedCorners::is_within_walls(const RowPolytope& polytope, std::size_t see
     return true;
 }
 
-bool SharedCorners::add(RowPolytope& polytope, std::size_t seed) {
-    const auto fans = polytope.fans();
-    const auto vertices = polytope.vertices();
-    const auto n = static_cast<std::size_t>(polytope.planes());
-    sides_.resize(n);
-    codes_.resize(fans.size());
-    placed_.assign(fans.size(), 0);
-    to_compare_.clear();
-    if (!has_one_top(polytope, 0) && !has_one_top(polytope, 1)) return false;
-    name_sides(polytope, seed);
-    const std::uint64_t own = scrambled(0x243f6a8885a308d3 + static_cast<std::uint32_t>(seed));
-    const auto place = [&](std::size_t v) {  // C
-        if (placed_[v] != 0) return true;
-        placed_[v] = 1;
-        return polytope.place_corner(static_cast<int>(v));
-    };
-    bool good = true;
-    for (std::size_t v = 0; v < fans.size(); ++v) {
-        const auto& [a, b, c] = fans[v].planes;
-        const Side &A = sides_[static_cast<std::size_t>(a)], &B = sides_[static_cast<std::size_t>(b)],
-                   &C = sides_[static_cast<std::size_t>(c)];
+template <bool with_images>
+bool SharedCorners::add_names(const RowPolytope& polytope, std::size_t seed) {
+    const std::span<const RowPolytope::Fan> fans = polytope.fans();
+    const std::int32_t* const vertices = polytope.vertices().data();
+    const Side* const sides = sides_.data();
+    const std::uint64_t own = random_of(static_cast<std::int32_t>(seed));
+    first_.resize(fans.size() + 1);
+    edges_.resize(3 * fans.size() + 1);
+    int* first = first_.data();
+    int* edge = edges_.data();
+    std::uint64_t names = 0;
+    int tops = 0;
+    for (int v = 0; v < static_cast<int>(fans.size()); ++v) {
+        const RowPolytope::Fan& fan = fans[at(v)];
+        const auto& [a, b, c] = fan.planes;
+        const Side &A = sides[a], &B = sides[b], &C = sides[c];
+        tops += top_of(A, B, C);
         const std::uint32_t code = A.code + B.code + C.code;
-        codes_[v] = code;
         // The planes ascend. So this is the turn of the seeds in their order.
-        const unsigned turn = (a < b ? 1u : 0u) ^ (b < c ? 1u : 0u) ^ (a < c ? 1u : 0u) ^ (code & 1);
-        std::int32_t vertex = vertices[v];
+        const std::uint32_t turn = (a < b ? 1u : 0u) ^ (b < c ? 1u : 0u) ^ (a < c ? 1u : 0u) ^ (code & 1);
         std::uint64_t sum = own + A.random + B.random + C.random;
-        bool is_image = false;
-        if (!images_.empty()) {
+        std::int32_t vertex = vertices[v];
+        const bool is_first = code % seed_code == 0;
+        *first = v;
+        if constexpr (with_images) {
             // Neither the order of seeds nor a shift of all changes sums of (r - r')(s - s') and (s - s')^2 over pairs.
             const std::uint64_t count = code / seed_code + 1, shift = A.shift + B.shift + C.shift,
                                 products = A.products + B.products + C.products,
                                 squares = A.squares + B.squares + C.squares;
             std::uint64_t random = own;
             for (const Side* side : {&A, &B, &C}) random += side->code == 0 ? 0 : side->random;
-            sum = sum * factor_a + (count * products - random * shift) * factor_b +
-                  (count * squares - shift * shift) * factor_c;
-            const std::int32_t original = images_[static_cast<std::size_t>(vertex)];
-            is_image = original != vertex;
+            sum += (count * products - random * shift) * factor_b + (count * squares - shift * shift) * factor_c;
+            const std::int32_t original = images_[at(vertex)];
+            if (original != vertex) {
+                if (is_first) return false;
+                to_compare_.push_back(v);
+            }
             vertex = original;
         }
-        names_ += scrambled(sum + static_cast<std::uint32_t>(vertex) * factor_e + turn * factor_f) * shares[code];
-        const bool is_first = code % seed_code == 0;
-        if (is_first) good = good && place(v) && (code == four_seeds || is_within_walls(polytope, seed, static_cast<int>(v)));
-        if (is_first && !images_.empty()) {
-            good = good && !is_image;
-            const PlaneArrays& p = polytope.arrays();
-            volume_ += filter_bound * p.length[static_cast<std::size_t>(a)] * p.length[static_cast<std::size_t>(b)] *
-                       p.length[static_cast<std::size_t>(c)] / (6 * polytope.corners()[v].constant);
-        }
-        if (is_image) good = good && place(v);
-        if (is_first || is_image) to_compare_.push_back(static_cast<int>(v));
+        names += scrambled(sum + static_cast<std::uint32_t>(vertex) * factor_e + turn * factor_f) * shares[code];
+        first += is_first ? 1 : 0;
+        *edge = 4 * v;
+        edge += A.as_left < C.as_right ? 1 : 0;
+        *edge = 4 * v + 1;
+        edge += B.as_left < A.as_right ? 1 : 0;
+        *edge = 4 * v + 2;
+        edge += C.as_left < B.as_right ? 1 : 0;
     }
-    if (!good) return false;
-    for (std::size_t v = 0; v < fans.size(); ++v)
-        for (std::size_t k = 0; k < 3; ++k) {  // D
-            const auto to = static_cast<std::size_t>(fans[v].after[k]);
-            const int f = fans[v].planes[k], g = fans[v].planes[k == 0 ? 2 : k - 1];
-            const std::uint32_t before = sides_[static_cast<std::size_t>(f)].code | sides_[static_cast<std::size_t>(g)].code;
-            if (v > to || (before & 1) != 0) continue;
-            const std::size_t at = placed_[v] == 0 && placed_[to] != 0 ? to : v;
-            const auto& [a, b, c] = fans[at == v ? to : v].planes;
-            if (!place(at) || !polytope.is_inside(static_cast<int>(at), a + b + c - f - g)) return false;
+    names_ += names;
+    first_.resize(static_cast<std::size_t>(first - first_.data()));
+    edges_.resize(static_cast<std::size_t>(edge - edges_.data()));
+    if (tops == 1) return true;
+    look_along(polytope, 1);
+    return has_one_top(polytope);
+}
+
+// D
+bool SharedCorners::check_edges(RowPolytope& polytope) {
+    const std::span<const RowPolytope::Fan> fans = polytope.fans();
+    for (const int edge : edges_) {
+        const std::size_t k = at(edge % 4);
+        const int from = edge / 4, to = fans[at(from)].after[k], left = fans[at(from)].planes[k],
+                  right = fans[at(from)].planes[k == 0 ? 2 : k - 1];
+        const bool turned = placed_[at(from)] == 0 && placed_[at(to)] != 0;
+        const int v = turned ? to : from;
+        if (placed_[at(v)] == 0) {
+            placed_[at(v)] = 1;
+            if (!polytope.place_corner(v)) return false;
         }
+        const auto& [a, b, c] = fans[at(turned ? from : to)].planes;
+        if (!polytope.is_inside(v, a + b + c - left - right)) return false;
+    }
     return true;
+}
+
+bool SharedCorners::add(RowPolytope& polytope, std::size_t seed) {
+    const std::span<const RowPolytope::Fan> fans = polytope.fans();
+    sides_.resize(at(polytope.planes()));
+    placed_.assign(fans.size(), 0);
+    to_compare_.clear();
+    name_sides(polytope, seed);
+    look_along(polytope, 0);
+    if (!(images_.empty() ? add_names<false>(polytope, seed) : add_names<true>(polytope, seed))) return false;
+    for (const int v : to_compare_) {
+        placed_[at(v)] = 1;
+        if (!polytope.place_corner(v)) return false;
+    }
+    for (const int v : first_) {  // C
+        placed_[at(v)] = 1;
+        if (!polytope.place_corner(v)) return false;
+        const auto& [a, b, c] = fans[at(v)].planes;
+        const bool on_wall = sides_[at(std::min({a, b, c}))].code == 0;
+        if (on_wall && !is_within_walls(polytope, seed, v)) return false;
+        if (images_.empty()) continue;
+        const PlaneArrays& p = polytope.arrays();
+        volume_ += filter_bound * p.length[at(a)] * p.length[at(b)] * p.length[at(c)] /
+                   (6 * polytope.corners()[at(v)].constant);
+    }
+    to_compare_.insert(to_compare_.end(), first_.begin(), first_.end());
+    return check_edges(polytope);
 }
 
 }  // namespace votess

@@ -35,9 +35,19 @@
 #include <span>
 #include <vector>
 
+#include "core/scrambled.hpp"
 #include "verify/row_polytope.hpp"
 
 namespace votess {
+
+// Odd numbers without a pattern, which make sums of different terms differ.
+inline constexpr std::uint64_t factor_a = 0x8ebc6af09c88c6e3, factor_b = 0x589965cc75374cc3,
+                               factor_c = 0x1d8e4e27c47d124f, factor_d = 0xd6e8feb86659fd93,
+                               factor_e = 0xa0761d6478bd642f, factor_f = 0xe7037ed1a0b428db;
+
+inline std::uint64_t random_of(std::int32_t id) {
+    return scrambled(0x243f6a8885a308d3 + static_cast<std::uint32_t>(id));
+}
 
 class SharedCorners {
 public:
@@ -55,20 +65,28 @@ public:
     [[nodiscard]] double volume() const { return volume_; }
 
 private:
-    struct Side {  // of a plane
+    struct Side {                      // of a plane
         double across = 0, along = 0;  // of its normal of length 1, both at right angles to e
         std::uint64_t random = 0;
         std::uint32_t code = 0;  // 4 for a seed, and 1 for one before that of the cell
+        // Of two planes, each edge is taken where that on its left is lower. None is less with a seed before the cell's.
+        std::int32_t as_left = 0, as_right = 0;
         std::uint64_t shift = 0, products = 0, squares = 0;
     };
-    [[nodiscard]] bool has_one_top(const RowPolytope& polytope, std::size_t direction);
+    void look_along(const RowPolytope& polytope, std::size_t direction);
+    [[nodiscard]] static int top_of(const Side& a, const Side& b, const Side& c);
+    [[nodiscard]] bool has_one_top(const RowPolytope& polytope);
     void name_sides(const RowPolytope& polytope, std::size_t seed);
+    template <bool with_images>
+    [[nodiscard]] bool add_names(const RowPolytope& polytope, std::size_t seed);
+    [[nodiscard]] bool check_edges(RowPolytope& polytope);
     [[nodiscard]] bool is_within_walls(const RowPolytope& polytope, std::size_t seed, int corner);
 
     const SeedPlanes& planes_;
     std::span<const std::int32_t> images_;
     std::vector<Side> sides_;
-    std::vector<std::uint32_t> codes_;  // by corner: sums of those of its planes
+    std::vector<int> first_;            // corners of which the cell's seed is the lowest
+    std::vector<int> edges_;            // likewise: four times the corner where it starts, and the place in its fan
     std::vector<std::uint8_t> placed_;  // by corner: whether the polytope has its place
     struct Wall {
         std::int32_t id;
