@@ -254,12 +254,13 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
     if ((!rows_.shifts.empty() && polytope.unit() != 1) || !w.shared.add(polytope, i)) return false;
     if (!result_.cell_vertex_indptr.empty() && !polytope.has_vertices(vertices_of(i))) return false;
     if (!result_.vertices.empty()) {
-        w.vertices.assign(polytope.vertices().begin(), polytope.vertices().end());
+        const Vector3 place = planes_.place(i);
         for (const int v : w.shared.to_compare()) {
+            const std::int32_t vertex = polytope.vertices()[static_cast<std::size_t>(v)];
             polytope.sharpen_corner(v, 0x1p-36);
-            if (is_near(w, i, static_cast<std::size_t>(v))) continue;
+            if (is_near(polytope, place, v, vertex)) continue;
             polytope.sharpen_corner(v, RowPolytope::sharp);
-            check_vertex(w, i, static_cast<std::size_t>(v));
+            check_vertex(w, i, v, vertex);
         }
     }
     if (!measures_) return true;
@@ -611,25 +612,28 @@ std::span<const std::int32_t> Certificate::vertices_of(std::size_t i) const {
 
 // Compares the places of vertices with the corners.
 void Certificate::check_vertices(Worker& w, std::size_t i) const {
-    for (std::size_t v = 0; v < w.vertices.size(); ++v)
-        if (!is_near(w, i, v)) check_vertex(w, i, v);
+    const Vector3 place = planes_.place(i);
+    for (int v = 0; v < static_cast<int>(w.vertices.size()); ++v) {
+        const std::int32_t vertex = w.vertices[static_cast<std::size_t>(v)];
+        if (!is_near(w.polytope, place, v, vertex)) check_vertex(w, i, v, vertex);
+    }
 }
 
-bool Certificate::is_near(const Worker& w, std::size_t i, std::size_t v) const {
-    const Vector3 place = planes_.place(i);
-    const Vector3& at = w.polytope.corners()[v].at;
-    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
-    const double square = dot(at, at), per_unit = 1 / w.polytope.unit();
+// Whether a vertex lies within half of the tolerance of a corner. place: of the seed.
+bool Certificate::is_near(const RowPolytope& polytope, const Vector3& place, int corner, std::int32_t vertex) const {
+    const Vector3& at = polytope.corners()[static_cast<std::size_t>(corner)].at;
+    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex)];
+    const double square = dot(at, at), per_unit = polytope.unit() == 1 ? 1 : 1 / polytope.unit();
     Vector3 off;
     for (std::size_t k = 0; k < 3; ++k) off[k] = given[k] * job_.scale - (place[k] + at[k] * per_unit);
     const double near = 0.5 * run_.tolerance.cell * per_unit;
     return square > 0x1p-900 && dot(off, off) <= near * near * square;
 }
 
-void Certificate::check_vertex(Worker& w, std::size_t i, std::size_t v) const {
+void Certificate::check_vertex(Worker& w, std::size_t i, int v, std::int32_t vertex) const {
     const Vector3 place = planes_.place(i);
-    const RowPolytope::Corner& corner = w.polytope.corners()[v];
-    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
+    const RowPolytope::Corner& corner = w.polytope.corners()[static_cast<std::size_t>(v)];
+    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex)];
     const double square = dot(corner.at, corner.at), per_unit = 1 / w.polytope.unit();
     const double length =
         (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
@@ -639,8 +643,8 @@ void Certificate::check_vertex(Worker& w, std::size_t i, std::size_t v) const {
                                0x1p-48 * (std::abs(x) + length);
         if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
-            return "vertex " + std::to_string(w.vertices[v]) + " of cell " + std::to_string(i) + " has " + "xyz"[k] +
-                   " = " + number(given[k]) + ", its faces meet at " + number(x * unscale_);
+            return "vertex " + std::to_string(vertex) + " of cell " + std::to_string(i) + " has " + "xyz"[k] + " = " +
+                   number(given[k]) + ", its faces meet at " + number(x * unscale_);
         });
     }
 }

@@ -134,8 +134,9 @@ private:
     void add_polygons(Worker& w, std::size_t i) const;
     [[nodiscard]] std::span<const std::int32_t> vertices_of(std::size_t i) const;
     void check_vertices(Worker& w, std::size_t i) const;
-    [[nodiscard]] bool is_near(const Worker& w, std::size_t i, std::size_t corner) const;
-    void check_vertex(Worker& w, std::size_t i, std::size_t corner) const;
+    [[nodiscard]] bool is_near(const RowPolytope& polytope, const Vector3& place, int corner,
+                               std::int32_t vertex) const;
+    void check_vertex(Worker& w, std::size_t i, int corner, std::int32_t vertex) const;
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
     void check_names(Worker& w, std::size_t i);

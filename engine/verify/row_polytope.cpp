@@ -160,15 +160,13 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
     vertices_.resize(vertices.size());
     fans_.resize(count);
     slots_.resize(vertices.size());
-    sides_.resize(4 * count);
-    begin_table(count);
+    begin_table();
     // Pointers and numbers that no store may change.
-    std::uint64_t *const table = table_.data(), *const sides = sides_.data();
+    std::uint64_t* const table = table_.data();
     std::uint16_t* const slots = slots_.data();
     std::int32_t* const known = vertices_.data();
-    const std::size_t mask = (std::size_t{1} << table_bits_) - 1;
+    Fan* const fans = fans_.data();
     const std::uint64_t turn = table_turn_;
-    const unsigned down = 32 - table_bits_;
     std::uint64_t found = 0;
     std::int32_t any = 0;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
@@ -176,80 +174,74 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
         any |= vertex;
         const auto id = static_cast<std::uint32_t>(vertex);
         const std::uint64_t wanted = std::uint64_t{id} << 32 | turn;
-        std::size_t h = id * hash_factor >> down;
+        std::size_t h = place_of(id);
         std::uint64_t off = table[h] ^ wanted;
-        while (is_other(off)) h = (h + 1) & mask, off = table[h] ^ wanted;
-        // Whether it is new is hard to foretell, so both go one way.
-        const bool is_new = off >= turn_unit;
-        const std::uint64_t corner = is_new ? found : off;
+        while (is_other(off)) h = place_after(h), off = table[h] ^ wanted;
+        // Whether it is new is hard to foretell, so there is no branch.
+        const std::uint64_t is_new = off >= turn_unit ? 1 : 0, corner = off ^ ((off ^ found) & -is_new);
         table[h] = wanted | corner;
         slots[k] = static_cast<std::uint16_t>(corner);
         known[corner] = vertex;
-        found += is_new ? 1 : 0;
+        found += is_new;
     }
     if (found != count || any < 0) return false;
     used_.assign(count, 0);
     std::uint16_t* const used = used_.data();
     vertices_.resize(count);
-    const auto first = static_cast<std::size_t>(offsets[0]);
+    std::size_t begin = 0;
     for (std::size_t f = 0; f < n; ++f) {
-        const std::size_t begin = static_cast<std::size_t>(offsets[f]) - first,
-                          end = static_cast<std::size_t>(offsets[f + 1]) - first;
+        const auto end = static_cast<std::size_t>(offsets[f + 1] - offsets[0]);
         if (begin == end) return false;
         std::uint64_t before = slots[end - 1], corner = slots[begin];
         const auto add = [&](std::uint64_t after) {
-            sides[4 * corner + (used[corner]++ & 3)] = f | before << 16 | after << 32;
+            fans[corner].sides[used[corner]++ & 3] = f | before << 16 | after << 32;
             before = corner, corner = after;
         };
         for (std::size_t k = begin + 1; k < end; ++k) add(slots[k]);
         add(slots[begin]);
+        begin = end;
     }
     std::uint64_t wrong = 0;
     for (std::size_t v = 0; v < count; ++v) {
-        const auto plane = [](std::uint64_t side) { return static_cast<int>(side & 0xffff); };
-        const auto before = [](std::uint64_t side) { return side >> 16 & 0xffff; };
         const auto after = [](std::uint64_t side) { return side >> 32; };
-        const std::uint64_t a = sides[4 * v], second = sides[4 * v + 1], third = sides[4 * v + 2];
-        const bool in_turn = after(a) == before(second);
-        const std::uint64_t c = in_turn ? second : third, b = in_turn ? third : second;
-        wrong |= (used[v] ^ 3u) | (after(a) ^ before(c)) | (after(c) ^ before(b)) | (after(b) ^ before(a));
-        wrong |= after(a) == after(b) || after(b) == after(c) || after(c) == after(a) ? 1 : 0;
-        fans_[v] = {{plane(a), plane(b), plane(c)},
-                    {static_cast<int>(after(a)), static_cast<int>(after(b)), static_cast<int>(after(c))}};
+        const auto differ = [](std::uint64_t before, std::uint64_t after) { return (before >> 16 ^ after >> 32) & 0xffff; };
+        auto& [a, second, third, unused] = fans[v].sides;
+        // Which one is next is hard to foretell as well.
+        const std::uint64_t swap = (second ^ third) & -std::uint64_t{differ(second, a) == 0 ? 1u : 0u};
+        const std::uint64_t b = second ^ swap, c = third ^ swap;
+        wrong |= (used[v] ^ 3u) | differ(c, a) | differ(b, c) | differ(a, b);
+        wrong |= (after(a) == after(b)) | (after(b) == after(c)) | (after(c) == after(a)) ? 1 : 0;
+        second = b, third = c;
     }
     return wrong == 0;
 }
 
 // Clears the table by a new turn.
-void RowPolytope::begin_table(std::size_t count) {
-    constexpr unsigned min_bits = 10;  // few vertices meet in a place
-    table_bits_ = std::max(min_bits, static_cast<unsigned>(std::bit_width(6 * count)));
-    const std::size_t size = std::size_t{1} << table_bits_;
-    if (table_.size() < size) table_.resize(size);
+void RowPolytope::begin_table() {
+    static_assert(std::size_t{1} << table_bits >= 4 * max_sure_planes);
     table_turn_ += turn_unit;
-    if (table_turn_ >> 32 == 0) return;
-    std::ranges::fill(table_, 0);
+    if (table_.size() == std::size_t{1} << table_bits && table_turn_ >> 32 == 0) return;
+    table_.assign(std::size_t{1} << table_bits, 0);
     table_turn_ = turn_unit;
 }
 
 bool RowPolytope::has_vertices(std::span<const std::int32_t> ids) const {
-    const std::size_t mask = (std::size_t{1} << table_bits_) - 1;
     std::int32_t before = -1;
     bool good = ids.size() == vertices_.size();
     for (const std::int32_t v : ids) {
         const auto id = static_cast<std::uint32_t>(v);
         const std::uint64_t wanted = std::uint64_t{id} << 32 | table_turn_;
-        std::size_t h = id * hash_factor >> (32 - table_bits_);
-        while (is_other(table_[h] ^ wanted)) h = (h + 1) & mask;
-        good &= before < v && (table_[h] ^ wanted) < turn_unit;
+        std::size_t h = place_of(id);
+        while (is_other(table_[h] ^ wanted)) h = place_after(h);
+        good &= (before < v) & ((table_[h] ^ wanted) < turn_unit);
         before = v;
     }
     return good;
 }
 
 bool RowPolytope::place_corner(int v) {
-    const auto& [a, b, c] = fans_[at(v)].planes;
-    return meet(p_, a, b, c, corners_[at(v)]);
+    const Fan& fan = fans_[at(v)];
+    return meet(p_, fan.plane(0), fan.plane(1), fan.plane(2), corners_[at(v)]);
 }
 
 bool RowPolytope::is_inside(int v, int plane) {
@@ -282,7 +274,7 @@ void RowPolytope::take_fans() {
     for (int v = 0; v < static_cast<int>(fans_.size()); ++v) {
         const Fan& fan = fans_[at(v)];
         for (std::size_t k = 0; k < 3; ++k)
-            if (v < fan.after[k]) edges_.push_back({v, fan.after[k], fan.planes[k], fan.planes[k == 0 ? 2 : k - 1]});
+            if (v < fan.after(k)) edges_.push_back({v, fan.after(k), fan.plane(k), fan.plane(k == 0 ? 2 : k - 1)});
     }
 }
 
@@ -290,8 +282,8 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
     if (!close_polygons(offsets, vertices)) return false;
     begin_corners();
     for (std::size_t v = 0; v < fans_.size(); ++v) {
-        const auto& [a, b, c] = fans_[v].planes;
-        if (!loops_.sure_corner(p_, a, b, c, corners_[v])) return false;
+        const Fan& fan = fans_[v];
+        if (!loops_.sure_corner(p_, fan.plane(0), fan.plane(1), fan.plane(2), corners_[v])) return false;
     }
     take_fans();
     return true;

@@ -74,10 +74,12 @@ public:
     // or lengths are scaled.
     [[nodiscard]] bool add_seeds(std::span<const std::int32_t> ids);
 
-    // The planes around a corner of closed polygons. The one seen from outside runs from the corner to after[k] in
-    // planes[k], and back in the plane before that.
+    // The polygons around a corner, if they are closed: the one in plane(k), seen from outside, comes from the corner
+    // after(k - 1), in the sense of (0, 1, 2), and goes to after(k).
     struct Fan {
-        std::array<int, 3> planes, after;
+        std::array<std::uint64_t, 4> sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
+        [[nodiscard]] int plane(std::size_t k) const { return static_cast<int>(sides[k] & 0xffff); }
+        [[nodiscard]] int after(std::size_t k) const { return static_cast<int>(sides[k] >> 32); }
     };
     // Names the corners of polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1], from
     // vertices[0] on. Returns false unless there are three polygons around each corner, and each edge belongs to two, in
@@ -185,17 +187,18 @@ private:
     std::vector<std::int32_t> vertices_;
     // A hash table of vertices: the vertex (32 bits), the turn (20), the corner (12). Those of other turns are free.
     static constexpr std::uint64_t turn_unit = 1 << 12;
-    static constexpr std::uint32_t hash_factor = 0x9e3779b1;
+    static constexpr unsigned table_bits = 11;
     std::vector<std::uint64_t> table_;
     std::uint64_t table_turn_ = 0;
-    unsigned table_bits_ = 1;
-    void begin_table(std::size_t vertices);
+    void begin_table();
+    // Returns the first place to look for a vertex, and the one after a place.
+    static std::size_t place_of(std::uint32_t id) { return id * 0x9e3779b1u >> (32 - table_bits); }
+    static std::size_t place_after(std::size_t h) { return (h + 1) & ((1 << table_bits) - 1); }
     // Whether an entry is that of another vertex. off: of the entry from the wanted vertex and turn.
     static bool is_other(std::uint64_t off) {
         return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit;
     }
     std::vector<std::uint16_t> slots_;  // corners by place in the polygons
-    std::vector<std::uint64_t> sides_;  // four for each corner: the plane of a polygon, the corner before and after
     std::vector<std::uint16_t> used_;   // sides of each corner
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
     std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly

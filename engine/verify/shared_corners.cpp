@@ -49,7 +49,7 @@ inline int SharedCorners::top_of(const Side& a, const Side& b, const Side& c) {
 bool SharedCorners::has_one_top(const RowPolytope& polytope) {
     int tops = 0;
     for (const RowPolytope::Fan& fan : polytope.fans())
-        tops += top_of(sides_[at(fan.planes[0])], sides_[at(fan.planes[1])], sides_[at(fan.planes[2])]);
+        tops += top_of(sides_[at(fan.plane(0))], sides_[at(fan.plane(1))], sides_[at(fan.plane(2))]);
     return tops == 1;
 }
 
@@ -106,7 +106,7 @@ bool SharedCorners::add_names(const RowPolytope& polytope, std::size_t seed) {
     int tops = 0;
     for (int v = 0; v < static_cast<int>(fans.size()); ++v) {
         const RowPolytope::Fan& fan = fans[at(v)];
-        const auto& [a, b, c] = fan.planes;
+        const int a = fan.plane(0), b = fan.plane(1), c = fan.plane(2);
         const Side &A = sides[a], &B = sides[b], &C = sides[c];
         tops += top_of(A, B, C);
         const std::uint32_t code = A.code + B.code + C.code;
@@ -153,24 +153,23 @@ bool SharedCorners::check_edges(RowPolytope& polytope) {
     const std::span<const RowPolytope::Fan> fans = polytope.fans();
     for (const int edge : edges_) {
         const std::size_t k = at(edge % 4);
-        const int from = edge / 4, to = fans[at(from)].after[k], left = fans[at(from)].planes[k],
-                  right = fans[at(from)].planes[k == 0 ? 2 : k - 1];
+        const int from = edge / 4, to = fans[at(from)].after(k), left = fans[at(from)].plane(k),
+                  right = fans[at(from)].plane(k == 0 ? 2 : k - 1);
         const bool turned = placed_[at(from)] == 0 && placed_[at(to)] != 0;
         const int v = turned ? to : from;
         if (placed_[at(v)] == 0) {
             placed_[at(v)] = 1;
             if (!polytope.place_corner(v)) return false;
         }
-        const auto& [a, b, c] = fans[at(turned ? from : to)].planes;
-        if (!polytope.is_inside(v, a + b + c - left - right)) return false;
+        const RowPolytope::Fan& other = fans[at(turned ? from : to)];
+        if (!polytope.is_inside(v, other.plane(0) + other.plane(1) + other.plane(2) - left - right)) return false;
     }
     return true;
 }
 
 bool SharedCorners::add(RowPolytope& polytope, std::size_t seed) {
-    const std::span<const RowPolytope::Fan> fans = polytope.fans();
     sides_.resize(at(polytope.planes()));
-    placed_.assign(fans.size(), 0);
+    placed_.assign(polytope.fans().size(), 0);
     to_compare_.clear();
     name_sides(polytope, seed);
     look_along(polytope, 0);
@@ -182,7 +181,7 @@ bool SharedCorners::add(RowPolytope& polytope, std::size_t seed) {
     for (const int v : first_) {  // C
         placed_[at(v)] = 1;
         if (!polytope.place_corner(v)) return false;
-        const auto& [a, b, c] = fans[at(v)].planes;
+        const auto& [a, b, c] = polytope.corners()[at(v)].planes;
         const bool on_wall = sides_[at(std::min({a, b, c}))].code == 0;
         if (on_wall && !is_within_walls(polytope, seed, v)) return false;
         if (images_.empty()) continue;
