@@ -1,11 +1,11 @@
 #include "verify/certificate.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
 
 #include "core/progress.hpp"
-#include "core/scrambled.hpp"
 #include "core/text.hpp"
 #include "result/arrays.hpp"
 
@@ -19,9 +19,6 @@ constexpr std::size_t cells_at_once = 256;
 constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
 constexpr std::size_t max_tried_places = 64;
-// Odd numbers without a pattern, which make sums of different terms differ.
-constexpr std::uint64_t factor_a = 0x8ebc6af09c88c6e3, factor_b = 0x589965cc75374cc3, factor_c = 0x1d8e4e27c47d124f,
-                        factor_d = 0xd6e8feb86659fd93;
 
 std::string text_of(const Name& name) {
     std::string text = std::to_string(name.id);
@@ -29,10 +26,6 @@ std::string text_of(const Name& name) {
         text += " (shift " + std::to_string(name.shift[0]) + " " + std::to_string(name.shift[1]) + " " +
                 std::to_string(name.shift[2]) + ")";
     return text;
-}
-
-std::uint64_t random_of(std::int32_t id) {
-    return scrambled(0x243f6a8885a308d3 + static_cast<std::uint32_t>(id));
 }
 
 // Linear in the shift.
@@ -80,8 +73,13 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
         }
     }
     const Vector3 diagonal = minus(planes_.domain().box.upper, planes_.domain().box.lower);
+    const auto& sides = planes_.domain().periodic;
+    const bool partly = planes_.domain().is_periodic() && !(sides[0] && sides[1] && sides[2]);
+    measures_ = partly || !result.stats.tiny_faces || !result.face_counts.empty() || !numbers_.volumes.empty() ||
+                !numbers_.centroids.empty() || !numbers_.surface_areas.empty() || !numbers_.security_radii.empty() ||
+                !numbers_.face_areas.empty() || !numbers_.face_normals.empty();
     for (unsigned k = 0; k < pool_.size(); ++k) {
-        workers_.push_back(std::make_unique<Worker>(planes_));
+        workers_.push_back(std::make_unique<Worker>(planes_, result.vertex_image_of));
         workers_.back()->areas.begin(std::min(4 * dot(diagonal, diagonal), std::numeric_limits<double>::max()));
     }
 }
@@ -93,7 +91,7 @@ bool Certificate::is_live(std::int32_t id) const {
 
 // Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere. Inline, since compilers
 // drop calls of functions without another effect.
-void Certificate::prefetch(std::size_t i) const {
+void Certificate::prefetch(Prefetch what, std::size_t i) const {
     const std::span<const double> points = job_.points.f64;
     for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !points.empty(); ++e)
         if (is_live(result_.indices[e])) {
@@ -101,22 +99,21 @@ void Certificate::prefetch(std::size_t i) const {
             __builtin_prefetch(seed);
             __builtin_prefetch(seed + 2);
         }
-    if (result_.cell_vertex_indptr.empty() || result_.vertices.empty()) return;
-    for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c) {
-        const auto v = static_cast<std::size_t>(result_.cell_vertex_indices[static_cast<std::size_t>(c)]);
-        __builtin_prefetch(&result_.vertices[3 * v]);
-        __builtin_prefetch(&result_.vertices[3 * v + 2]);
+    if (what != Prefetch::all || result_.cell_vertex_indptr.empty() || result_.vertices.empty()) return;
+    for (const std::int32_t v : vertices_of(i)) {
+        __builtin_prefetch(&result_.vertices[3 * static_cast<std::size_t>(v)]);
+        __builtin_prefetch(&result_.vertices[3 * static_cast<std::size_t>(v) + 2]);
     }
 }
 
-template <bool with_prefetch, class Task>
+template <Certificate::Prefetch what, class Task>
 void Certificate::for_cells(const Task& task) {
     const std::size_t count = result_.status.size();
     pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
         check_stop();
         const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
         for (std::size_t i = begin; i < end; ++i) {
-            if (with_prefetch && i + 1 < end) prefetch(i + 1);
+            if (what != Prefetch::none && i + 1 < end) prefetch(what, i + 1);
             task(*workers_[worker], i);
         }
     });
@@ -124,15 +121,9 @@ void Certificate::for_cells(const Task& task) {
 
 Certificate::Verdict Certificate::prove() {
     for (auto& w : workers_) w->sums.assign(buckets, 0);
-    for_cells<true>([&](Worker& w, std::size_t i) {
-        const bool is_outside = !job_.outside.empty() && job_.outside[i] == CellStatus::outside;
-        if (is_outside != (result_.status[i] == CellStatus::outside))
-            w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "seed " + std::to_string(i) +
-                       (is_outside ? " lies outside and is not reported so"
-                                   : " is reported to lie outside, where it does not");
-            });
-        else if (result_.status[i] == CellStatus::certified)
+    for_cells<Prefetch::all>([&](Worker& w, std::size_t i) {
+        if (!has_right_side(w, i)) return;
+        if (result_.status[i] == CellStatus::certified)
             check_cell(w, i);
         else
             check_other(w, i);
@@ -156,9 +147,9 @@ Certificate::Verdict Certificate::prove() {
     }
     if (combine()) check_volume(sum);
     if (combine() && std::ranges::any_of(open_names_, [](std::uint64_t s) { return s != 0; }))
-        for_cells<true>([&](Worker& w, std::size_t i) { check_names(w, i); });
+        for_cells<Prefetch::all>([&](Worker& w, std::size_t i) { check_names(w, i); });
     if (combine())
-        for_cells<false>([&](Worker& w, std::size_t i) {
+        for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
             if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
         });
     Verdict verdict;
@@ -171,6 +162,113 @@ Certificate::Verdict Certificate::prove() {
     verdict.fault = std::move(sum.fault);
     verdict.unsettled = std::move(sum.unsettled);
     return verdict;
+}
+
+// See shared_corners.hpp.
+std::optional<Certificate::Verdict> Certificate::prove_shared() {
+    if (result_.face_offsets.empty() || rows_.shifts.empty() != result_.vertex_image_of.empty()) return {};
+    std::atomic<bool> failed = false;
+    const auto is_good = [](const Worker& w) { return w.fault.text.empty() && w.unsettled.text.empty(); };
+    const auto try_all = [&](const auto& task) {
+        for_cells<Prefetch::seeds>([&](Worker& w, std::size_t i) {
+            if (!failed.load(std::memory_order_relaxed) && (!task(w, i) || !is_good(w))) failed = true;
+        });
+        return !failed;
+    };
+    const bool shared = try_all([&](Worker& w, std::size_t i) {
+        if (!has_right_side(w, i)) return false;
+        if (result_.status[i] == CellStatus::certified) return check_shared(w, i);
+        check_other(w, i);
+        return true;
+    });
+    Worker sum(planes_);
+    sum.areas.begin(0);
+    std::uint64_t names = 0;
+    for (auto& w : workers_) {
+        names += w->shared.names();
+        sum.areas.add(w->areas);
+        sum.volume += w->volume;
+        sum.doubt += w->doubt;
+    }
+    if (!shared || names != 0 || !shared_cover_once(sum) || !is_good(sum) || !is_good(*workers_.front())) return {};
+    if (std::ranges::find(result_.status, CellStatus::empty) != result_.status.end() &&
+        !try_all([&](Worker& w, std::size_t i) {
+            if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
+            return true;
+        }))
+        return {};
+    Verdict verdict;
+    verdict.proven = true;
+    verdict.tiny_faces = result_.stats.tiny_faces.value_or(sum.areas.count());
+    return verdict;
+}
+
+// Condition 3.
+bool Certificate::shared_cover_once(Worker& sum) {
+    if (std::ranges::find(result_.status, CellStatus::certified) == result_.status.end()) return false;
+    const Domain& domain = planes_.domain();
+    if (endless_.covered_once) return true;
+    if (!domain.is_periodic()) return is_covered_once();
+    if (!(domain.periodic[0] && domain.periodic[1] && domain.periodic[2])) return check_volume(sum), true;
+    double volume = 0;
+    for (const auto& w : workers_) volume += w->shared.volume();
+    const double expected = job_.box_volume * job_.scale * job_.scale * job_.scale;
+    return std::isnormal(expected) && volume > 0.5 * expected && volume < 1.3 * expected;
+}
+
+// Whether a seed is reported to lie outside where it does.
+bool Certificate::has_right_side(Worker& w, std::size_t i) const {
+    const bool is_outside = !job_.outside.empty() && job_.outside[i] == CellStatus::outside;
+    if (is_outside == (result_.status[i] == CellStatus::outside)) return true;
+    w.fault.note(static_cast<std::int64_t>(i), [&] {
+        return "seed " + std::to_string(i) +
+               (is_outside ? " lies outside and is not reported so"
+                           : " is reported to lie outside, where it does not");
+    });
+    return false;
+}
+
+void Certificate::begin_cell(Worker& w, std::size_t i) const {
+    w.owner = static_cast<std::int32_t>(i);
+    if (!result_.duplicate_of.empty() && result_.duplicate_of[i] >= 0)
+        w.fault.note(static_cast<std::int64_t>(i), [&] {
+            return "seed " + std::to_string(i) + " has a cell and is reported to be a duplicate of " +
+                   std::to_string(result_.duplicate_of[i]);
+        });
+}
+
+bool Certificate::check_shared(Worker& w, std::size_t i) {
+    RowPolytope& polytope = w.polytope;
+    begin_cell(w, i);
+    const std::size_t begin = rows_.begin(i), end = rows_.end(i);
+    for (std::size_t entry = begin + 1; entry < end; ++entry)
+        if (result_.indices[entry - 1] >= result_.indices[entry] && !(rows_.label(entry - 1) < rows_.label(entry)))
+            return false;
+    if (!add_row(w, i)) return false;
+    const std::span<const std::int64_t> offsets(result_.face_offsets.data() + begin, end - begin + 1);
+    const std::span<const std::int32_t> all = result_.face_vertices;
+    if (!polytope.close_polygons(offsets, all.subspan(static_cast<std::size_t>(offsets.front()),
+                                                      static_cast<std::size_t>(offsets.back() - offsets.front()))))
+        return false;
+    polytope.begin_corners();
+    if ((!rows_.shifts.empty() && polytope.unit() != 1) || !w.shared.add(polytope, i)) return false;
+    if (!result_.cell_vertex_indptr.empty() && !polytope.has_vertices(vertices_of(i))) return false;
+    if (!result_.vertices.empty()) {
+        const Vector3 place = planes_.place(i);
+        for (const int v : w.shared.to_compare()) {
+            const std::int32_t vertex = polytope.vertices()[static_cast<std::size_t>(v)];
+            polytope.sharpen_corner(v, 0x1p-36);
+            if (is_near(polytope, place, v, vertex)) continue;
+            polytope.sharpen_corner(v, RowPolytope::sharp);
+            check_vertex(w, i, v, vertex);
+        }
+    }
+    if (!measures_) return true;
+    for (int v = 0; v < static_cast<int>(polytope.fans().size()); ++v)
+        if (!w.shared.has_place(v) && !polytope.place_corner(v)) return false;
+    polytope.take_fans();
+    check_numbers(w, i);
+    return true;
 }
 
 void Certificate::unsettle(Worker& w, std::size_t i, const char* why) {
@@ -196,12 +294,7 @@ void Certificate::for_neighbors(const Name& of, const Visit& visit) const {
 }
 
 void Certificate::check_cell(Worker& w, std::size_t i) {
-    w.owner = static_cast<std::int32_t>(i);
-    if (!result_.duplicate_of.empty() && result_.duplicate_of[i] >= 0)
-        w.fault.note(static_cast<std::int64_t>(i), [&] {
-            return "seed " + std::to_string(i) + " has a cell and is reported to be a duplicate of " +
-                   std::to_string(result_.duplicate_of[i]);
-        });
+    begin_cell(w, i);
     if (!build(w, i)) return;
     check_numbers(w, i);
     name_planes(w, i);
@@ -414,8 +507,7 @@ void Certificate::check_polygons(Worker& w, std::size_t i) {
         for (const std::int32_t v : w.vertices) sum += random_of(v);
         std::int32_t before = -1;
         bool ascend = true;
-        for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c) {
-            const std::int32_t v = result_.cell_vertex_indices[static_cast<std::size_t>(c)];
+        for (const std::int32_t v : vertices_of(i)) {
             sum -= random_of(v);
             ascend = ascend && before < v;
             before = v;
@@ -512,31 +604,48 @@ void Certificate::add_polygons(Worker& w, std::size_t i) const {
     }
 }
 
+std::span<const std::int32_t> Certificate::vertices_of(std::size_t i) const {
+    const auto begin = static_cast<std::size_t>(result_.cell_vertex_indptr[i]),
+               end = static_cast<std::size_t>(result_.cell_vertex_indptr[i + 1]);
+    return std::span<const std::int32_t>(result_.cell_vertex_indices).subspan(begin, end - begin);
+}
+
 // Compares the places of vertices with the corners.
 void Certificate::check_vertices(Worker& w, std::size_t i) const {
-    const RowPolytope& polytope = w.polytope;
     const Vector3 place = planes_.place(i);
-    const double per_unit = 1 / polytope.unit();
-    for (std::size_t v = 0; v < w.vertices.size(); ++v) {
-        const RowPolytope::Corner& corner = polytope.corners()[v];
-        const double* const given = &result_.vertices[3 * static_cast<std::size_t>(w.vertices[v])];
-        const double square = dot(corner.at, corner.at);
-        Vector3 off;
-        for (std::size_t k = 0; k < 3; ++k) off[k] = given[k] * job_.scale - (place[k] + corner.at[k] * per_unit);
-        const double near = 0.5 * run_.tolerance.cell * per_unit;
-        if (square > 0x1p-900 && dot(off, off) <= near * near * square) continue;
-        const double length =
-            (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double x = place[k] + corner.at[k] * per_unit, allowed = 2 * corner.error * per_unit +
-                                                                           run_.tolerance.cell * length +
-                                                                           0x1p-48 * (std::abs(x) + length);
-            if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
-            w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "vertex " + std::to_string(w.vertices[v]) + " of cell " + std::to_string(i) + " has " +
-                       "xyz"[k] + " = " + number(given[k]) + ", its faces meet at " + number(x * unscale_);
-            });
-        }
+    for (int v = 0; v < static_cast<int>(w.vertices.size()); ++v) {
+        const std::int32_t vertex = w.vertices[static_cast<std::size_t>(v)];
+        if (!is_near(w.polytope, place, v, vertex)) check_vertex(w, i, v, vertex);
+    }
+}
+
+// Whether a vertex lies within half of the tolerance of a corner. place: of the seed.
+bool Certificate::is_near(const RowPolytope& polytope, const Vector3& place, int corner, std::int32_t vertex) const {
+    const Vector3& at = polytope.corners()[static_cast<std::size_t>(corner)].at;
+    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex)];
+    const double square = dot(at, at), per_unit = polytope.unit() == 1 ? 1 : 1 / polytope.unit();
+    Vector3 off;
+    for (std::size_t k = 0; k < 3; ++k) off[k] = given[k] * job_.scale - (place[k] + at[k] * per_unit);
+    const double near = 0.5 * run_.tolerance.cell * per_unit;
+    return square > 0x1p-900 && dot(off, off) <= near * near * square;
+}
+
+void Certificate::check_vertex(Worker& w, std::size_t i, int v, std::int32_t vertex) const {
+    const Vector3 place = planes_.place(i);
+    const RowPolytope::Corner& corner = w.polytope.corners()[static_cast<std::size_t>(v)];
+    const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex)];
+    const double square = dot(corner.at, corner.at), per_unit = 1 / w.polytope.unit();
+    const double length =
+        (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double x = place[k] + corner.at[k] * per_unit,
+                     allowed = 2 * corner.error * per_unit + run_.tolerance.cell * length +
+                               0x1p-48 * (std::abs(x) + length);
+        if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
+        w.fault.note(static_cast<std::int64_t>(i), [&] {
+            return "vertex " + std::to_string(vertex) + " of cell " + std::to_string(i) + " has " + "xyz"[k] + " = " +
+                   number(given[k]) + ", its faces meet at " + number(x * unscale_);
+        });
     }
 }
 
@@ -764,7 +873,7 @@ bool Certificate::is_covered_once() {
     Vector3 place;
     const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);
     if (!owner) return false;
-    for_cells<true>([&](Worker& w, std::size_t i) {
+    for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
         if (i == *owner || result_.status[i] != CellStatus::certified) return;
         const Vector3 from = minus(place, planes_.place(i));
         const double length = length3(from[0], from[1], from[2]);

@@ -45,6 +45,7 @@
 #include "unbounded/endless_box.hpp"
 #include "verify/reported_cell.hpp"
 #include "verify/row_polytope.hpp"
+#include "verify/shared_corners.hpp"
 
 namespace votess {
 
@@ -68,11 +69,16 @@ public:
     Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless);
     // Proves all cells on all threads. Throws `cancelled`.
     [[nodiscard]] Verdict prove();
+    // Tries to prove all cells from polygons, with what cells share proven once. Rows need not ascend nor be symmetric.
+    // Returns no verdict unless it is `proven`. Call it before prove(), of another object. Throws `cancelled`.
+    [[nodiscard]] std::optional<Verdict> prove_shared();
 
 private:
     struct Worker {
-        explicit Worker(const SeedPlanes& planes) : polytope(planes) {}
+        explicit Worker(const SeedPlanes& planes, std::span<const std::int32_t> images = {})
+            : polytope(planes), shared(planes, images) {}
         RowPolytope polytope;
+        SharedCorners shared;
         RowPolytope::Measures measures;
         std::vector<std::uint64_t> sums;  // of names of corners, by bucket
         std::uint64_t polygons = 0;       // sum over both sides of all faces
@@ -104,12 +110,17 @@ private:
         std::vector<UnlistedWall> walls;
     };
 
-    template <bool with_prefetch, class Task>
+    enum class Prefetch : std::uint8_t { none, seeds, all };
+    template <Prefetch what, class Task>
     void for_cells(const Task& task);
-    [[gnu::always_inline]] inline void prefetch(std::size_t i) const;
+    [[gnu::always_inline]] inline void prefetch(Prefetch what, std::size_t i) const;
     [[nodiscard]] bool is_live(std::int32_t id) const;
     [[nodiscard]] RowPolytope::Name name(std::size_t entry) const;
     void check_cell(Worker& w, std::size_t i);
+    [[nodiscard]] bool has_right_side(Worker& w, std::size_t i) const;
+    void begin_cell(Worker& w, std::size_t i) const;
+    [[nodiscard]] bool check_shared(Worker& w, std::size_t i);
+    [[nodiscard]] bool shared_cover_once(Worker& sum);
     [[nodiscard]] bool build(Worker& w, std::size_t i);
     [[nodiscard]] bool add_row(Worker& w, std::size_t i);
     [[nodiscard]] bool add_seeds(Worker& w, std::size_t i, std::size_t entry) const;
@@ -121,7 +132,11 @@ private:
     void check_polygons(Worker& w, std::size_t i);
     [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;
     void add_polygons(Worker& w, std::size_t i) const;
+    [[nodiscard]] std::span<const std::int32_t> vertices_of(std::size_t i) const;
     void check_vertices(Worker& w, std::size_t i) const;
+    [[nodiscard]] bool is_near(const RowPolytope& polytope, const Vector3& place, int corner,
+                               std::int32_t vertex) const;
+    void check_vertex(Worker& w, std::size_t i, int corner, std::int32_t vertex) const;
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
     void check_names(Worker& w, std::size_t i);
@@ -155,6 +170,7 @@ private:
     };
     std::vector<NearWall> walls_;
     bool has_places_ = false;  // or other numbers that are compared
+    bool measures_ = false;    // volumes or others are needed
     ThreadPool pool_;
     std::vector<std::unique_ptr<Worker>> workers_;
     std::vector<std::uint64_t> open_names_;  // sums over all workers, by bucket

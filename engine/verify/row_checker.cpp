@@ -170,7 +170,7 @@ void RowChecker::take(const StreamRows& rows, const RowNames& names) {
     sums_.counts |= counts && all_faces;
     const auto check = [&](Checks& checks, std::size_t k) {
         const std::int64_t id = id_of(rows, k, names);
-        if (faces) take_row(checks, rows, k, id, names);
+        if (faces && !sample_.rows_are_proven) take_row(checks, rows, k, id, names);
         if (surfaces) check_surface(rows, k, id, run_, checks.surface);
         const bool open = run_.ends.any() && (rows.volumes.empty() || std::isinf(rows.volumes[k]));
         if (counts && all_faces && !open) check_euler(rows, k, id, run_.planar(), checks.euler);
@@ -210,10 +210,10 @@ void RowChecker::take_row(Checks& checks, const StreamRows& rows, std::size_t k,
 }
 
 void RowChecker::keep(const StreamRows& rows, std::size_t k, std::int64_t id) {
-    if (id != sample_.cell.value_or(id)) return;
+    if (sample_.max_cells == 0 || id != sample_.cell.value_or(id)) return;
     const std::uint64_t key = scrambled(scrambled(sample_.rng_seed) + static_cast<std::uint64_t>(id));
     if (kept_.size() == sample_.max_cells) {
-        if (sample_.max_cells == 0 || key >= kept_.front().key) return;
+        if (key >= kept_.front().key) return;
         std::ranges::pop_heap(kept_, before);
         kept_.pop_back();
     }

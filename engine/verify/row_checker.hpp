@@ -66,6 +66,7 @@ public:
         double budget = sample_budget;         // no more cells once some rank has done this many distance tests
         std::size_t first_round = min_sample;  // cells in the first round
         std::optional<std::int64_t> cell{};    // no other one
+        bool rows_are_proven = false;          // to ascend and to be symmetric
     };
     // blocks: must outlive this object.
     RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks);

@@ -150,72 +150,142 @@ bool RowPolytope::guess_from(int a, std::array<int, 3>& start) {
 
 // Each corner has a polygon in each of its three planes a, b, c. In turn, the corner after it in one is that before it
 // in the next: both polygons have this edge, in opposite directions. So each edge of a corner has its second end among
-// the corners, and a polygon follows the edges of its face. It meets no corner twice, since a, b, c differ.
-bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
-    const int n = planes();
+// the corners, and a polygon follows the edges of its face. It meets no corner twice, if a, b, c differ.
+bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
+    const auto n = names_.size();
     const std::size_t count = vertices.size() / 3;
     seems_open_ = false;
-    if (n < 4 || n > max_sure_planes || vertices.size() % 3 != 0 || count < 4) return false;
-    tight_.clear();
-    corners_.resize(count);
-    edges_.resize(vertices.size());
-    vertices_.resize(count + 1);
-    fans_.resize(count + 1);
-    faces_.assign(at(n), 0);
-    std::size_t found = 0, edge = 0;
-    const auto bits = static_cast<unsigned>(std::bit_width(3 * count));
-    const std::size_t size = std::size_t{1} << bits;
-    table_.assign(size, {-1, 0});
+    // In a polytope with three faces at each corner, by Euler's formula
+    if (n < 4 || n > max_sure_planes || vertices.size() != 3 * count || count != 2 * n - 4) return false;
+    vertices_.resize(vertices.size());
+    fans_.resize(count);
     slots_.resize(vertices.size());
-    bool any_negative = false;
+    begin_table();
+    // Pointers and numbers that no store may change.
+    std::uint64_t* const table = table_.data();
+    std::uint16_t* const slots = slots_.data();
+    std::int32_t* const known = vertices_.data();
+    Fan* const fans = fans_.data();
+    const std::uint64_t turn = table_turn_;
+    std::uint64_t found = 0;
+    std::int32_t any = 0;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
-        const std::int32_t id = vertices[k];
-        any_negative |= id < 0;
-        std::size_t h = static_cast<std::uint32_t>(id) * 0x9e3779b1u >> (32 - bits);
-        while (table_[h].id != id && table_[h].id >= 0) h = (h + 1) & (size - 1);
-        // Whether it is new is hard to foretell, so both go one way.
-        const bool is_new = table_[h].id != id;
-        const std::int32_t corner = is_new ? static_cast<std::int32_t>(found) : table_[h].corner;
-        table_[h] = {id, corner};
-        slots_[k] = corner;
-        vertices_[found] = id;
-        fans_[found].used = 0;
-        found += is_new ? 1 : 0;
-        if (found > count) return false;
+        const std::int32_t vertex = vertices[k];
+        any |= vertex;
+        const auto id = static_cast<std::uint32_t>(vertex);
+        const std::uint64_t wanted = std::uint64_t{id} << 32 | turn;
+        std::size_t h = place_of(id);
+        std::uint64_t off = table[h] ^ wanted;
+        while (is_other(off)) h = place_after(h), off = table[h] ^ wanted;
+        // Whether it is new is hard to foretell, so there is no branch.
+        const std::uint64_t is_new = off >= turn_unit ? 1 : 0, corner = off ^ ((off ^ found) & -is_new);
+        table[h] = wanted | corner;
+        slots[k] = static_cast<std::uint16_t>(corner);
+        known[corner] = vertex;
+        found += is_new;
     }
-    if (found != count || any_negative) return false;
+    if (found != count || any < 0) return false;
+    used_.assign(count, 0);
+    std::uint16_t* const used = used_.data();
     vertices_.resize(count);
-    for (int f = 0; f < n; ++f) {
-        const auto begin = static_cast<std::size_t>(offsets[at(f)] - offsets[0]),
-                   end = static_cast<std::size_t>(offsets[at(f) + 1] - offsets[0]);
+    std::size_t begin = 0;
+    for (std::size_t f = 0; f < n; ++f) {
+        const auto end = static_cast<std::size_t>(offsets[f + 1] - offsets[0]);
         if (begin == end) return false;
-        faces_[at(f)] = 1;
-        int before = slots_[end - 1], corner = slots_[begin];
-        for (std::size_t k = begin; k < end; ++k) {
-            const int after = slots_[k + 1 == end ? begin : k + 1];
-            Fan& fan = fans_[at(corner)];
-            if (fan.used == 3) return false;
-            const std::size_t side = at(fan.used++);
-            fan.planes[side] = f, fan.before[side] = before, fan.after[side] = after;
+        std::uint64_t before = slots[end - 1], corner = slots[begin];
+        const auto add = [&](std::uint64_t after) {
+            fans[corner].sides[used[corner]++ & 3] = f | before << 16 | after << 32;
             before = corner, corner = after;
-        }
+        };
+        for (std::size_t k = begin + 1; k < end; ++k) add(slots[k]);
+        add(slots[begin]);
+        begin = end;
     }
-    for (int v = 0; v < static_cast<int>(count); ++v) {
+    std::uint64_t wrong = 0;
+    for (std::size_t v = 0; v < count; ++v) {
+        const auto after = [](std::uint64_t side) { return side >> 32; };
+        const auto differ = [](std::uint64_t before, std::uint64_t after) { return (before >> 16 ^ after >> 32) & 0xffff; };
+        auto& [a, second, third, unused] = fans[v].sides;
+        // Which one is next is hard to foretell as well.
+        const std::uint64_t swap = (second ^ third) & -std::uint64_t{differ(second, a) == 0 ? 1u : 0u};
+        const std::uint64_t b = second ^ swap, c = third ^ swap;
+        wrong |= (used[v] ^ 3u) | differ(c, a) | differ(b, c) | differ(a, b);
+        wrong |= (after(a) == after(b)) | (after(b) == after(c)) | (after(c) == after(a)) ? 1 : 0;
+        second = b, third = c;
+    }
+    return wrong == 0;
+}
+
+// Clears the table by a new turn.
+void RowPolytope::begin_table() {
+    static_assert(std::size_t{1} << table_bits >= 4 * max_sure_planes);
+    table_turn_ += turn_unit;
+    if (table_.size() == std::size_t{1} << table_bits && table_turn_ >> 32 == 0) return;
+    table_.assign(std::size_t{1} << table_bits, 0);
+    table_turn_ = turn_unit;
+}
+
+bool RowPolytope::has_vertices(std::span<const std::int32_t> ids) const {
+    std::int32_t before = -1;
+    bool good = ids.size() == vertices_.size();
+    for (const std::int32_t v : ids) {
+        const auto id = static_cast<std::uint32_t>(v);
+        const std::uint64_t wanted = std::uint64_t{id} << 32 | table_turn_;
+        std::size_t h = place_of(id);
+        while (is_other(table_[h] ^ wanted)) h = place_after(h);
+        good &= (before < v) & ((table_[h] ^ wanted) < turn_unit);
+        before = v;
+    }
+    return good;
+}
+
+bool RowPolytope::place_corner(int v) {
+    const Fan& fan = fans_[at(v)];
+    return meet(p_, fan.plane(0), fan.plane(1), fan.plane(2), corners_[at(v)]);
+}
+
+bool RowPolytope::is_inside(int v, int plane) {
+    const Corner& corner = corners_[at(v)];
+    const double slack = p_.d[at(plane)] - dot(normal(plane), corner.at),
+                 bound = corner.slope * p_.length[at(plane)] + corner.constant * p_.size[at(plane)] + filter_underflow;
+    if (slack > bound) return true;
+    if (slack < -bound) return false;
+    const auto& [a, b, c] = corner.planes;
+    (void)source(a);
+    return exact::side_of_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)],
+                                 sources_[at(plane)]) < 0;
+}
+
+bool RowPolytope::is_surely_inside(int v, const RoundedPlane& plane) const {
+    const Corner& corner = corners_[at(v)];
+    return is_ordinary(plane.length, plane.size) &&
+           plane.d - dot(plane.n, corner.at) >
+               corner.slope * plane.length + corner.constant * plane.size + filter_underflow;
+}
+
+void RowPolytope::begin_corners() {
+    tight_.clear();
+    corners_.resize(fans_.size());
+}
+
+void RowPolytope::take_fans() {
+    faces_.assign(names_.size(), 1);
+    edges_.clear();
+    for (int v = 0; v < static_cast<int>(fans_.size()); ++v) {
         const Fan& fan = fans_[at(v)];
-        if (fan.used != 3) return false;
-        const std::size_t second = fan.after[0] == fan.before[1] ? 1 : 2, third = 3 - second;
-        if (fan.after[0] != fan.before[second] || fan.after[second] != fan.before[third] ||
-            fan.after[third] != fan.before[0] || fan.after[0] == fan.after[1] || fan.after[0] == fan.after[2] ||
-            fan.after[1] == fan.after[2])
-            return false;
-        if (!loops_.sure_corner(p_, fan.planes[0], fan.planes[third], fan.planes[second], corners_[at(v)]))
-            return false;
-        for (const auto& [f, g] : {std::array{std::size_t{0}, second}, {second, third}, {third, std::size_t{0}}}) {
-            edges_[edge] = {v, fan.after[f], fan.planes[f], fan.planes[g]};
-            edge += v < fan.after[f] ? 1 : 0;
-        }
+        for (std::size_t k = 0; k < 3; ++k)
+            if (v < fan.after(k)) edges_.push_back({v, fan.after(k), fan.plane(k), fan.plane(k == 0 ? 2 : k - 1)});
     }
-    edges_.resize(edge);
+}
+
+bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
+    if (!close_polygons(offsets, vertices)) return false;
+    begin_corners();
+    for (std::size_t v = 0; v < fans_.size(); ++v) {
+        const Fan& fan = fans_[v];
+        if (!loops_.sure_corner(p_, fan.plane(0), fan.plane(1), fan.plane(2), corners_[v])) return false;
+    }
+    take_fans();
     return true;
 }
 

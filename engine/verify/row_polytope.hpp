@@ -74,11 +74,34 @@ public:
     // or lengths are scaled.
     [[nodiscard]] bool add_seeds(std::span<const std::int32_t> ids);
 
-    // Takes the corners from polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1],
-    // from vertices[0] on. Returns false unless sure signs show that these are the polygons of the faces, with three
-    // faces at each corner: each runs once around its face, counterclockwise seen from outside.
+    // The polygons around a corner, if they are closed: the one in plane(k), seen from outside, comes from the corner
+    // after(k - 1), in the sense of (0, 1, 2), and goes to after(k).
+    struct Fan {
+        std::array<std::uint64_t, 4> sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
+        [[nodiscard]] int plane(std::size_t k) const { return static_cast<int>(sides[k] & 0xffff); }
+        [[nodiscard]] int after(std::size_t k) const { return static_cast<int>(sides[k] >> 32); }
+    };
+    // Names the corners of polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1], from
+    // vertices[0] on. Returns false unless there are three polygons around each corner, and each edge belongs to two, in
+    // opposite directions.
+    [[nodiscard]] bool close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
+    // Returns the fans of the last close_polygons() that returned true, by corner.
+    [[nodiscard]] std::span<const Fan> fans() const { return fans_; }
+    // Whether these are all vertices of the polygons, ascending.
+    [[nodiscard]] bool has_vertices(std::span<const std::int32_t> ids) const;
+    // Makes room for the corners of fans, without places.
+    void begin_corners();
+    // Finds the place of a corner. Returns false unless its normals certainly turn as its fan does.
+    [[nodiscard]] bool place_corner(int corner);
+    // Whether such a corner lies strictly inside of a plane, by exact signs.
+    [[nodiscard]] bool is_inside(int corner, int plane);
+    [[nodiscard]] bool is_surely_inside(int corner, const RoundedPlane& plane) const;
+    // Makes edges and faces of fans, whose corners have places.
+    void take_fans();
+    // Takes the corners from polygons, as above. Returns false unless sure signs show that these are the polygons of
+    // the faces, with three faces at each corner: each runs once around its face, counterclockwise seen from outside.
     [[nodiscard]] bool wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
-    // Returns the vertices of the last wrap_polygons(), by corner.
+    // Returns the vertices of the last polygons, by corner.
     [[nodiscard]] std::span<const std::int32_t> vertices() const { return vertices_; }
     // Tries sure signs alone. Returns false where they do not settle it.
     [[nodiscard]] bool wrap_surely();
@@ -89,6 +112,8 @@ public:
 
     [[nodiscard]] int planes() const { return static_cast<int>(names_.size()); }
     [[nodiscard]] const Name& name(int plane) const { return names_[at(plane)]; }
+    [[nodiscard]] std::span<const Name> names() const { return names_; }
+    [[nodiscard]] const PlaneArrays& arrays() const { return p_; }
     [[nodiscard]] std::span<const Corner> corners() const { return corners_; }
     [[nodiscard]] std::span<const Edge> edges() const { return edges_; }
     // Whether a face of the polytope lies in the plane.
@@ -119,6 +144,7 @@ public:
     static constexpr double sharp = 0x1p-40;
     // Makes places of corners exact to rounding, where they may err by more than this part of their distance.
     void sharpen(double relative_error);
+    void sharpen_corner(int corner, double relative_error) { sharpen(corners_[at(corner)], relative_error); }
     void measure(Measures& out, bool centroid = true) const;
 
 private:
@@ -157,17 +183,23 @@ private:
         int corner, a, b;
     };
     std::vector<Half> waiting_;
-    struct Fan {  // the polygons at a corner
-        int used = 0;
-        std::array<int, 3> planes, before, after;  // and the corners next to it in each
-    };
     std::vector<Fan> fans_;
     std::vector<std::int32_t> vertices_;
-    struct Slot {
-        std::int32_t id, corner;
-    };
-    std::vector<Slot> table_;              // by hash of a vertex; -1 is free
-    std::vector<int> slots_;               // corners by place in the polygons
+    // A hash table of vertices: the vertex (32 bits), the turn (20), the corner (12). Those of other turns are free.
+    static constexpr std::uint64_t turn_unit = 1 << 12;
+    static constexpr unsigned table_bits = 11;
+    std::vector<std::uint64_t> table_;
+    std::uint64_t table_turn_ = 0;
+    void begin_table();
+    // Returns the first place to look for a vertex, and the one after a place.
+    static std::size_t place_of(std::uint32_t id) { return id * 0x9e3779b1u >> (32 - table_bits); }
+    static std::size_t place_after(std::size_t h) { return (h + 1) & ((1 << table_bits) - 1); }
+    // Whether an entry is that of another vertex. off: of the entry from the wanted vertex and turn.
+    static bool is_other(std::uint64_t off) {
+        return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit;
+    }
+    std::vector<std::uint16_t> slots_;  // corners by place in the polygons
+    std::vector<std::uint16_t> used_;   // sides of each corner
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
     std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly
     std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes
