@@ -43,9 +43,9 @@ VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
 }
 
 // In two passes without branches, which would be mispredicted: the seeds within the limit, then near ones and others.
-template <bool Weighted>
+template <bool Weighted, class Limits>
 VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
-                              const SelectLimits& limits, CandidatePlanes& c) {
+                              const Limits& limits, CandidatePlanes& c) {
     constexpr int most = 2 * CandidatePlanes::capacity;
     struct alignas(64) Found {
         float nx[most + 16], ny[most + 16], nz[most + 16], h[most + 16];
@@ -62,7 +62,7 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         };
         const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
         const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
-        __m256 h = d, measured = d, bound = limit;
+        __m256 h = d, measured = d, square = d, bound = limit;
         if constexpr (Weighted) {
             __m256 more = _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i));
             more = _mm256_fmadd_ps(nx, _mm256_set1_ps(limits.turn[0]), more);
@@ -71,7 +71,14 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
             h = _mm256_add_ps(d, more);
             const __m256 less = _mm256_sub_ps(h, _mm256_set1_ps(2 * limits.slack));
             measured = _mm256_mul_ps(less, _mm256_andnot_ps(_mm256_set1_ps(-0.0f), less));
-            bound = _mm256_mul_ps(limit, d);
+            if constexpr (std::is_same_v<Limits, BentLimits>) {
+                const auto along = [&](__m256 n, int own, __m256 other, int both) VOTESS_AVX2 {
+                    return _mm256_mul_ps(n, _mm256_fmadd_ps(_mm256_set1_ps(limits.metric[own]), n,
+                                                            _mm256_mul_ps(_mm256_set1_ps(limits.metric[both]), other)));
+                };
+                square = _mm256_add_ps(along(nx, 0, ny, 5), _mm256_add_ps(along(ny, 1, nz, 3), along(nz, 2, nx, 4)));
+            }
+            bound = _mm256_mul_ps(limit, square);
         }
         const auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(measured, bound, _CMP_LT_OQ)));
         const __m256i order = compress_order(inside);
@@ -79,7 +86,7 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         compress(f.ny + found, ny, order);
         compress(f.nz + found, nz, order);
         compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
-        compress(f.measured + found, Weighted ? _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, d)) : d, order);
+        compress(f.measured + found, Weighted ? _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, square)) : d, order);
         compress(f.id + found, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
         found += std::popcount(inside);
         if (found > most) return false;
@@ -267,8 +274,12 @@ struct Avx2 {
         return frame.tilt == nullptr ? write_window<false>(from, frame, out, ids, residual)
                                      : write_window<true>(from, frame, out, ids, residual);
     }
-    template <bool Weighted>
-    VOTESS_AVX2 static int write_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+    VOTESS_AVX2 static int to_bent_window(const GroupSource& from, const BentFrame& frame, std::int32_t* const* out,
+                                          std::int32_t* ids, float* residual) {
+        return write_window<true>(from, frame, out, ids, residual);
+    }
+    template <bool Weighted, class Frame>
+    VOTESS_AVX2 static int write_window(const GroupSource& from, const Frame& frame, std::int32_t* const* out,
                                         std::int32_t* ids, [[maybe_unused]] float* residual) {
         const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
         const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
@@ -296,7 +307,10 @@ struct Avx2 {
                     residuals(x, weight, *frame.tilt, r, size);
                     const Lanes excess = r - frame.tilt->least + residual_slack * size;
                     Long4 within;
-                    within_length(Lanes(sum), excess, frame.length, 0, within);
+                    if constexpr (std::is_same_v<Frame, BentFrame>)
+                        near_bent_seeds(x, weight, frame, within);
+                    else
+                        within_length(Lanes(sum), excess, frame.length, 0, within);
                     inside |= bits(within) << (4 * half);
                     rest[half] = _mm256_cvtpd_ps(r * (frame.scale * frame.scale));
                 } else {
@@ -318,6 +332,10 @@ struct Avx2 {
                                    const SelectLimits& limits, CandidatePlanes& c) {
         return w.weight == nullptr ? select_seeds<false>(w, p, weight, limits, c)
                                    : select_seeds<true>(w, p, weight, limits, c);
+    }
+    VOTESS_AVX2 static bool select_bent(const WindowSeeds& w, const std::int32_t* p, float weight,
+                                        const BentLimits& limits, CandidatePlanes& c) {
+        return select_seeds<true>(w, p, weight, limits, c);
     }
 
     VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -212,20 +213,47 @@ VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, c
     }
 }
 
-// Writes -1 for boxes that may hold a seed whose plane is nearer than `length` to a moved seed of the home, 0 for
-// others.
+// The test of near_bent() for vectors n from the seeds of the home to those of four boxes, between near and end. excess:
+// the largest difference d of their rho.
 //
-// With n from a seed of the home to one of the box, A = 1 - bend and the difference d of their rho, that takes n.A.n -
-// 2 length |n| < d. As 2 |n| <= n^2 / far + far, n.B.n - length far < d with B = A - length / far, which is convex. So
-// n.B.n >= 2 n.B.m - m.B.m for any m, and least at a corner of the box. m is about where n.A.n is least.
+// It takes n.A.n - 2 length |n|_A < d. As n.A.n is convex, it is at least 2 n.A.m - m.A.m for any m, which is least at a
+// corner. m is about where n.A.n is least.
+VOTESS_INLINE void within_bent(const Double4 (&near)[3], const Double4 (&end)[3], const Double4& excess,
+                               const WeightBend& bent, double length, Long4& out) {
+    using Lanes = Double4;
+    constexpr double rounding = 1e-12;
+    Lanes m[3];
+    for (int k = 0; k < 3; ++k) m[k] = near[k] > 0 ? near[k] : end[k] < 0 ? end[k] : Lanes{};
+    for (int k = 0; k < 3; ++k) {
+        const int j = (k + 1) % 3, l = (k + 2) % 3;
+        Lanes at = (bent.bend[k][j] * m[j] + bent.bend[k][l] * m[l]) * (1 / (1 - bent.bend[k][k]));
+        at = at < near[k] ? near[k] : at;
+        m[k] = at > end[k] ? end[k] : at;
+    }
+    Lanes least{}, widest{}, long_m{};
+    for (int k = 0; k < 3; ++k) {
+        const Lanes am = m[k] - (bent.bend[k][0] * m[0] + bent.bend[k][1] * m[1] + bent.bend[k][2] * m[2]);
+        least += am * (2 * (am > 0 ? near[k] : end[k]) - m[k]);
+        Lanes a, c, d;
+        absolute(near[k], a);
+        absolute(end[k], c);
+        absolute(m[k], d);
+        widest += a > c ? a : c;
+        long_m += d;
+    }
+    least -= rounding * (1 + 3 * bent.largest) * long_m * widest;
+    // An excess that is NaN proves nothing.
+    const Lanes lighter = least - (excess <= 0 ? Lanes{} : excess);
+    out = ~(lighter > 0) | (lighter * lighter < 4 * length * length * least + smallest_fourth_power);
+}
+
+// Writes -1 for boxes that pass the test of near_bent(), 0 for others.
 VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
                                    const WeightBend& bent, double length, Long4 (&out)[2]) {
     using Lanes = Double4;
-    constexpr double rounding = 1e-12;
-    const double least_far = length / (1 - bent.steepest) * (1 + 1e-6);
     for (int i = 0; i < box_fan; i += 4) {
-        Lanes y[3], half[3], near[3], end[3], m[3], across{},
-            excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size;
+        Lanes y[3], half[3], near[3], end[3], across{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base,
+                                                        size;
         absolute(excess, size);
         for (int k = 0; k < 3; ++k) {
             const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
@@ -234,7 +262,6 @@ VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, cons
             half[k] = 0.5 * (upper - lower);
             near[k] = lower - home.upper[k];
             end[k] = upper - home.lower[k];
-            m[k] = near[k] > 0 ? near[k] : end[k] < 0 ? end[k] : Lanes{};
             Lanes distance;
             absolute(y[k], distance);
             across += distance;
@@ -251,35 +278,37 @@ VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, cons
             excess += apart * half[k] + bent.downward[k] * half[k] * half[k] - y[k] * (t.slope[k] + by);
             size += (steep + own + 2 * bends + bent.downward[k] * half[k]) * half[k] + distance * (own + bends);
         }
-        const Lanes most = excess - t.least + residual_slack * size;
-        for (int sweep = 0; sweep < 2; ++sweep)
-            for (int k = 0; k < 3; ++k) {
-                const int j = (k + 1) % 3, l = (k + 2) % 3;
-                Lanes at = (bent.bend[k][j] * m[j] + bent.bend[k][l] * m[l]) / (1 - bent.bend[k][k]);
-                at = at < near[k] ? near[k] : at;
-                m[k] = at > end[k] ? end[k] : at;
-            }
-        const Lanes square = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
-        Lanes far;
-        square_roots(square < least_far * least_far ? Lanes{} + least_far * least_far : square, far);
-        const Lanes share = 1 - length / far;
-        Lanes sum{}, widest{}, long_m{};
-        for (int k = 0; k < 3; ++k) {
-            const Lanes bm = share * m[k] - (bent.bend[k][0] * m[0] + bent.bend[k][1] * m[1] + bent.bend[k][2] * m[2]);
-            sum += bm * (2 * (bm > 0 ? near[k] : end[k]) - m[k]);
-            Lanes a, c, d;
-            absolute(near[k], a);
-            absolute(end[k], c);
-            absolute(m[k], d);
-            widest += a > c ? a : c;
-            long_m += d;
-        }
-        const Lanes slack = rounding * (long_m * (1 + 3 * bent.largest) * widest + length * far);
+        within_bent(near, end, excess - t.least + residual_slack * size, bent, length, out[i / 4]);
         // Missing boxes have no center.
-        const Long4 exists =
-            *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
-        out[i / 4] = exists & ~(sum - slack - length * far - most > smallest_area);
+        out[i / 4] &= *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
     }
+}
+
+// The same for four seeds.
+VOTESS_INLINE void near_bent_seeds(const Double4 (&x)[3], const Double4& weight, const BentFrame& frame, Long4& out) {
+    using Lanes = Double4;
+    const WeightTilt& t = *frame.bent_tilt;
+    const WeightBend& bent = *frame.bend;
+    Lanes y[3], near[3], end[3], across{}, excess = weight - t.base, size;
+    absolute(excess, size);
+    for (int k = 0; k < 3; ++k) {
+        y[k] = x[k] - t.origin[k];
+        near[k] = x[k] - frame.home.upper[k];
+        end[k] = x[k] - frame.home.lower[k];
+        Lanes distance;
+        absolute(y[k], distance);
+        across += distance;
+    }
+    for (int k = 0; k < 3; ++k) {
+        const Lanes by = bent.bend[k][0] * y[0] + bent.bend[k][1] * y[1] + bent.bend[k][2] * y[2];
+        const double own = t.slope[k] < 0 ? -t.slope[k] : t.slope[k];
+        Lanes distance;
+        absolute(y[k], distance);
+        excess -= y[k] * (t.slope[k] + by);
+        size += distance * (own + bent.largest * across);
+    }
+    within_bent(near, end, excess - t.least + residual_slack * size, bent, frame.length, out);
+    out &= x[0] < std::numeric_limits<double>::infinity();  // padding
 }
 
 // The residuals of four seeds, rounded.
@@ -370,8 +399,12 @@ struct Baseline {
         return frame.tilt == nullptr ? write_window<false>(from, frame, out, ids, residual)
                                      : write_window<true>(from, frame, out, ids, residual);
     }
-    template <bool Weighted>
-    static int write_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+    static int to_bent_window(const GroupSource& from, const BentFrame& frame, std::int32_t* const* out,
+                              std::int32_t* ids, float* residual) {
+        return write_window<true>(from, frame, out, ids, residual);
+    }
+    template <bool Weighted, class Frame>
+    static int write_window(const GroupSource& from, const Frame& frame, std::int32_t* const* out,
                             std::int32_t* ids, [[maybe_unused]] float* residual) {
         constexpr double range = window_range;
         int count = 0;
@@ -400,7 +433,10 @@ struct Baseline {
                     for (int k = 0; k < 3; ++k) std::memcpy(&x[k], from.seeds[k] + seed + i, sizeof x[k]);
                     residuals(x, weight, *frame.tilt, r, size);
                     Long4 within;
-                    within_length(gaps2, r - frame.tilt->least + residual_slack * size, frame.length, 0, within);
+                    if constexpr (std::is_same_v<Frame, BentFrame>)
+                        near_bent_seeds(x, weight, frame, within);
+                    else
+                        within_length(gaps2, r - frame.tilt->least + residual_slack * size, frame.length, 0, within);
                     inside |= bits(within) << i;
                     for (int k = 0; k < 4; ++k) rest[i + k] = static_cast<float>(r[k] * (frame.scale * frame.scale));
                 }
@@ -423,9 +459,13 @@ struct Baseline {
         return w.weight == nullptr ? select_seeds<false>(w, p, weight, limits, c)
                                    : select_seeds<true>(w, p, weight, limits, c);
     }
-    template <bool Weighted>
+    static bool select_bent(const WindowSeeds& w, const std::int32_t* p, float weight, const BentLimits& limits,
+                            CandidatePlanes& c) {
+        return select_seeds<true>(w, p, weight, limits, c);
+    }
+    template <bool Weighted, class Limits>
     static bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
-                             const SelectLimits& limits, CandidatePlanes& c) {
+                             const Limits& limits, CandidatePlanes& c) {
         int near = c.count, far = 0;
         for (int i = 0; i < w.count; i += 4) {
             const auto difference = [i](const std::int32_t* at, std::int32_t from) {
@@ -437,10 +477,15 @@ struct Baseline {
             if constexpr (Weighted)
                 h = 0.5f * (d + (weight - load(w.weight + i) + nx * limits.turn[0] + ny * limits.turn[1] +
                                  nz * limits.turn[2]));
+            Float4 square = d;
+            if constexpr (std::is_same_v<Limits, BentLimits>) {
+                const float* g = limits.metric;
+                square = nx * (g[0] * nx + g[5] * ny) + ny * (g[1] * ny + g[3] * nz) + nz * (g[2] * nz + g[4] * nx);
+            }
             const auto within = [&](float squared) {
                 if constexpr (!Weighted) return mask_of(d < squared);
                 const Float4 less = h - limits.slack;
-                return mask_of(4 * less * (less < 0 ? -less : less) < squared * d);
+                return mask_of(4 * less * (less < 0 ? -less : less) < squared * square);
             };
             unsigned inside = within(limits.distance_squared);
             if (inside == 0) continue;

@@ -10,6 +10,9 @@ namespace votess::cpu {
 // Next to a WeightTilt: w = base + slope.y + y.bend.y + rho with y = x - origin. The tilt at a place has the slope
 // there, and its residuals at another one, n away, differ by n.bend.n and the difference of rho. `least` is that of
 // rho.
+//
+// So the plane of a seed n away is n.X = (n.A.n + rho_p - rho_q) / 2 with A = 1 - bend: where rho is small, the diagram
+// is a Voronoi diagram with the lengths of A, and cells are as long as those are short.
 struct WeightBend {
     double bend[3][3];   // symmetric
     double downward[3];  // -y.bend.y is at most the sum of downward y^2
@@ -17,11 +20,30 @@ struct WeightBend {
     double steepest;     // less than 1: n.bend.n is at most steepest n^2
 };
 
-// Returns bit k if a seed in box k may have a plane nearer than `length` to a seed of the box home that is moved by
-// half of the slope at its place.
-using NearBent = unsigned(const BoxBlock&, const WeightBlock&, const Box& home, const WeightTilt&, const WeightBend&,
+// For select(): a plane n.X = h counts as h / |n|_G away, with |n|_G^2 = n.G.n. In `metric` are the diagonal of G, and
+// twice its elements yz, zx, xy.
+struct BentLimits : SelectLimits {
+    float metric[6];
+};
+
+// For to_window(): `length` is that of near_bent().
+struct BentFrame : WindowFrame {
+    const WeightTilt* bent_tilt;
+    const WeightBend* bend;
+};
+
+struct BentKernels {
+    // Returns bit k if a seed in box k may have a plane with h < length |n|_A, for a seed of the box home that is moved
+    // by half of the slope at its place.
+    unsigned (*near_bent)(const BoxBlock&, const WeightBlock&, const Box& home, const WeightTilt&, const WeightBend&,
                           double length);
-NearBent& near_bent(std::string_view instructions);
-extern NearBent* const near_bent_avx2;
+    // The same as StarKernels::to_window(), with the test of near_bent().
+    int (*to_bent_window)(const GroupSource&, const BentFrame&, std::int32_t* const* out, std::int32_t* ids,
+                          float* residuals);
+};
+template <class Isa>
+inline constexpr BentKernels bent_kernels_of{Isa::near_bent, Isa::to_bent_window};
+const BentKernels& bent_kernels(std::string_view instructions);
+extern const BentKernels bent_kernels_avx2;
 
 }  // namespace votess::cpu

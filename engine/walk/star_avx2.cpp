@@ -16,7 +16,7 @@
 namespace votess::cpu {
 
 constinit const StarKernels star_kernels_avx2 = kernels_of<Avx2>;
-constinit NearBent* const near_bent_avx2 = Avx2::near_bent;
+constinit const BentKernels bent_kernels_avx2 = bent_kernels_of<Avx2>;
 template class StarWalk<Avx2>;
 
 std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy) {

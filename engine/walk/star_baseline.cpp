@@ -18,11 +18,11 @@ const StarKernels& star_kernels([[maybe_unused]] std::string_view name) {
     return kernels_of<Baseline>;
 }
 
-NearBent& near_bent([[maybe_unused]] std::string_view name) {
+const BentKernels& bent_kernels([[maybe_unused]] std::string_view name) {
 #if defined(__x86_64__)
-    if (name.starts_with("avx")) return *near_bent_avx2;
+    if (name.starts_with("avx")) return bent_kernels_avx2;
 #endif
-    return Baseline::near_bent;
+    return bent_kernels_of<Baseline>;
 }
 
 std::unique_ptr<Star> make_star([[maybe_unused]] std::string_view instructions, const SortedSeeds& seeds,

@@ -164,6 +164,20 @@ private:
         const double most = bounds::max_distance(std::sqrt(x2), std::sqrt(third.length2));
         return most * most;
     }
+    // Returns the square of the length of a vertex by the inverse of the metric of a bent window.
+    [[nodiscard]] double bent_square(const Four& x) const {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto& row = bent_.inverse[k];
+            square += x.x[k] * (row[0] * x.x[0] + row[1] * x.x[1] + row[2] * x.x[2]);
+        }
+        return square;
+    }
+    // The same as reach_squared(), by that length.
+    [[nodiscard]] double bent_reach_squared(double square, const Third& third) const {
+        const double most = std::sqrt(square) + bent_.longest_inverse * 2 * margin * std::sqrt(third.length2);
+        return 4 * most * most;
+    }
     // Converts a distance in window units to one between places. size: their largest coordinate, which is rounded.
     [[nodiscard]] double in_places(double distance, double size) const {
         return distance * unscale_ * (1 + 4 * margin) + 8 * unit * size;
@@ -209,7 +223,9 @@ private:
     void find_sure_images();
     // The largest distance of a vertex within the reach of the window from a seed of the home, moved by the home's
     // tilt.
-    [[nodiscard]] double home_length() const { return 0.5 * window_.reach() + (is_bent_ ? bent_.max_turned : 0); }
+    [[nodiscard]] double home_length() const {
+        return is_bent_ ? 0.5 * window_.reach() * bent_.longest + bent_.max_turned : 0.5 * window_.reach();
+    }
     [[nodiscard]] double sure_image_reach() const { return 2 * std::max(0.0, sure_images_ - turned_); }
     [[nodiscard, gnu::noinline]] double sure_without_images(const Box& home, double length);
     [[nodiscard]] bool any_missing_image(const Ball& ball, double length);
@@ -259,6 +275,7 @@ private:
     [[nodiscard]] bool may_coincide() const;
     bool gather_candidates();
     [[nodiscard]] bool is_buried(const std::array<std::int32_t, 3>& p, SelectLimits limits);
+    [[gnu::always_inline]] inline bool select(const std::array<std::int32_t, 3>& p, const SelectLimits& limits);
     bool begin_anywhere();
     bool begin_at_face(int candidate);
     bool begin_outside();
@@ -280,6 +297,7 @@ private:
     bool find_bend(std::size_t home);
     bool bound_bend();
     void lay_bend(std::size_t home);
+    bool find_metric();
     [[nodiscard]] Four turn_at(const exact::Point& x) const;
     void tilt_alone();
     [[nodiscard]] static double along_tilt(const WeightTilt& tilt, const Four& n) {

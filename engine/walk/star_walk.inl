@@ -69,7 +69,7 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
         window_home_ = ~std::size_t{0};
     }
     if (!window_open_) return;
-    collect_near_walls(box, window_.reach() + (is_bent_ ? bent_.max_turned : 0));
+    collect_near_walls(box, is_bent_ ? window_.reach() * bent_.longest + bent_.max_turned : window_.reach());
     sure_images_known_ = !weighted_ || seeds_.images == nullptr;
     sure_box_ = box;
     for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
@@ -206,9 +206,36 @@ bool StarWalk<Isa>::bound_bend() {
         const double across = -b[1][2] - by * b[0][2];
         const double third = steepest - b[2][2] - b[0][2] * b[0][2] / first - across * across / second;
         bend.steepest = steepest;
-        if (first > least && second > least && third > least) return bend.largest < 1e3;
+        if (first > least && second > least && third > least) return find_metric();
     }
     return false;
+}
+
+// Returns false if it differs too much from lengths in space, for floats.
+template <class Isa>
+bool StarWalk<Isa>::find_metric() {
+    constexpr double max_stretch = 256;
+    const WeightBend& bend = bent_.bend;
+    double a[3][3], c[3][3];  // A, and its cofactors
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) a[i][j] = (i == j ? 1 : 0) - bend.bend[i][j];
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::size_t p = (i + 1) % 3, q = (i + 2) % 3, r = (j + 1) % 3, s = (j + 2) % 3;
+            c[i][j] = a[p][r] * a[q][s] - a[p][s] * a[q][r];
+        }
+    const double determinant = a[0][0] * c[0][0] + a[0][1] * c[0][1] + a[0][2] * c[0][2];
+    const double most = 1 + *std::max_element(bend.downward, bend.downward + 3), least = 1 - bend.steepest;
+    if (!(most < max_stretch * least && determinant > 0)) return false;
+    bent_.gain = std::cbrt(determinant);
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            bent_.metric[i][j] = a[i][j] / bent_.gain;
+            bent_.inverse[i][j] = c[i][j] / determinant * bent_.gain;
+        }
+    bent_.longest = std::sqrt(most / bent_.gain) * (1 + 8 * unit);
+    bent_.longest_inverse = std::sqrt(bent_.gain / least) * (1 + 8 * unit);
+    return true;
 }
 
 // Finds what the bend leaves of the weights of the home, and how it moves its seeds.
@@ -325,7 +352,7 @@ bool StarWalk<Isa>::gather_candidates() {
     selected_ = CandidatePlanes::capacity;
     for (int tries = 0;; ++tries) {
         const double reach = std::sqrt(reach2) * scale;
-        set_longest(reach * (1 + 0x1p-20) + quantum);
+        set_longest((is_bent_ ? reach * bent_.longest : reach) * (1 + 0x1p-20) + quantum);
         candidates_.count = 0;
         if (!add_near_walls()) return false;
         const double square = reach2 * scale * scale, near_square = near_share * square;
@@ -334,11 +361,11 @@ bool StarWalk<Isa>::gather_candidates() {
             constexpr double longest = 3.5;  // of a normal: the diagonal of the window
             const double rounding =
                 weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale, longest * window_.extent());
-            limits.slack = static_cast<float>(bounds::select_slack(0.5 * reach, window_.extent(), rounding));
+            const double distance = 0.5 * (is_bent_ ? reach * bent_.longest : reach);
+            limits.slack = static_cast<float>(bounds::select_slack(distance, window_.extent(), rounding));
             for (std::size_t k = 0; k < 3; ++k) limits.turn[k] = static_cast<float>(turn_.x[k] * scale);
         }
-        if (Isa::select(window_.seeds(), p.data(), own_weight_, limits, candidates_) &&
-            candidates_.count <= max_candidates) {
+        if (select(p, limits) && candidates_.count <= max_candidates) {
             const double complete = window_.covered() * window_.covered() * scale * scale;
             covered_ = covered_by_search(std::min(square, complete));
             near_covered_ = covered_by_search(std::min(near_square, complete));
@@ -360,8 +387,18 @@ template <class Isa>
 bool StarWalk<Isa>::is_buried(const std::array<std::int32_t, 3>& p, SelectLimits limits) {
     candidates_.count = candidates_.near = 0;
     limits.near_squared = limits.distance_squared = 0;
-    return !Isa::select(window_.seeds(), p.data(), own_weight_, limits, candidates_) ||
-           candidates_.count > max_candidates;
+    return !select(p, limits) || candidates_.count > max_candidates;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::select(const std::array<std::int32_t, 3>& p, const SelectLimits& limits) {
+    if (!is_bent_) return Isa::select(window_.seeds(), p.data(), own_weight_, limits, candidates_);
+    BentLimits bent{limits, {}};
+    for (std::size_t k = 0; k < 3; ++k) {
+        bent.metric[k] = static_cast<float>(bent_.metric[k][k]);
+        bent.metric[3 + k] = static_cast<float>(2 * bent_.metric[(k + 1) % 3][(k + 2) % 3]);
+    }
+    return Isa::select_bent(window_.seeds(), p.data(), own_weight_, bent, candidates_);
 }
 
 // Sets the length and the margin that depends on it.
@@ -390,7 +427,8 @@ void StarWalk<Isa>::find_longest() {
 // `square`.
 template <class Isa>
 double StarWalk<Isa>::covered_by_search(double square) const {
-    const double covered = std::sqrt(square) * (1 - 0x1p-20) - (weighted_ ? 2 : 1) * quantum;
+    const double covered = is_bent_ ? std::sqrt(square) * (1 - 0x1p-12) - 2 * bent_.longest_inverse * quantum
+                                    : std::sqrt(square) * (1 - 0x1p-20) - (weighted_ ? 2 : 1) * quantum;
     return covered > 0 ? covered * covered : 0;
 }
 
@@ -829,7 +867,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, const Four& ver
             weighted_ ? 8 * margin * length2 + bounds::image_step * tilt_length_ * scale_ : 2 * margin * length2;
     };
     look_around(length2);
-    near_misses_ += 4 * dot(wide(x), wide(x)) < missed_share * covered_ ? 1 : 0;
+    near_misses_ += 4 * (is_bent_ ? bent_square(x) : dot(wide(x), wide(x))) < missed_share * covered_ ? 1 : 0;
     bool room = true;
     const auto visit = [&](std::span<const std::uint32_t> groups) {
         Found found[max_found];
@@ -1252,7 +1290,12 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         narrow(wide(x), v);
         v[3] = static_cast<float>(rounding_by_square_ * x2 + rounding_);
         const double reach2 = reach_squared(x2, third);
-        const int count = in_reach(reach2);
+        double square = x2, search2 = reach2;
+        if (!plain_ && is_bent_) {
+            square = bent_square(x);
+            search2 = bent_reach_squared(square, third);
+        }
+        const int count = in_reach(search2);
         const int touching = Isa::touching(candidates_, count, v, three, 0);
         tied_.clear();
         if (touching >= 0) {
@@ -1260,10 +1303,10 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             cutting = lane >= 0;
             if (cutting) continue;
         }
-        if ((reach2 > covered_ && !searched) || !(reach2 < walls_within2_)) {
+        if ((search2 > covered_ && !searched) || !(reach2 < walls_within2_)) {
             int added = 0;
-            if (!add_wall_before(x, third.length2, reach2 <= covered_, -wide(line.ab), added)) return false;
-            if (added == 0 && reach2 > covered_ && !searched) {
+            if (!add_wall_before(x, third.length2, search2 <= covered_, -wide(line.ab), added)) return false;
+            if (added == 0 && search2 > covered_ && !searched) {
                 if (!add_inside(line, third.length2, x, three, added)) return false;
                 searched = vertices_ > 0 && added < max_new_seeds;
             }
@@ -1282,7 +1325,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 largest_length2_ = std::max(largest_length2_, third.length2);
             }
         }
-        reached_ = std::max(reached_, 4 * x2);
+        reached_ = std::max(reached_, 4 * square);
         if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
         return add_tie(edge, id, third, x) && !is_open(edge);
     }
@@ -1912,6 +1955,7 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
     domain_ = &domain;
     weighted_ = domain.has_weights();
     weight_ = own_weight_ = 0;
+    is_bent_ = false;
     tilt_ = {};
     tilt_length_ = home_tilt_length_ = weight_rounding_ = turned_ = 0;
     plain_ = !weighted_ && seeds_.images == nullptr;

@@ -53,13 +53,14 @@ bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, cons
         return collect(max_groups, [&](const Node& node) {
             return kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, square);
         });
-    const double length = 0.5 * radius + (bent == nullptr ? 0 : bent->max_turned);
+    const double length = bent == nullptr ? 0.5 * radius : 0.5 * radius * bent->longest + bent->max_turned;
     return collect(max_heavier_groups, [&](const Node& node) {
         const BoxBlock& boxes = hierarchy_.block(node.level, node.index);
         const WeightBlock& weights = hierarchy_.weight_bounds(node.level, node.index);
         return bent == nullptr || node.level > max_bent_level
                    ? kernels_.near_heavier(boxes, weights, box, *tilt, {length, 0, 0})
-                   : near_bent_(boxes, weights, box, bent->tilt, bent->bend, 0.5 * radius);
+                   : bent_kernels_.near_bent(boxes, weights, box, bent->tilt, bent->bend,
+                                             0.5 * radius / std::sqrt(bent->gain));
     });
 }
 
@@ -134,17 +135,19 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
         if (v->size() < most) v->resize(2 * most);
     std::int32_t* const out[3] = {x_.data(), y_.data(), z_.data()};
     if (tilt != nullptr) weight_.resize(x_.size());
-    count_ = kernels_.to_window({{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()},
-                                 seeds_.weights.data(),
-                                 {groups_.data(), group_count_},
-                                 kept},
-                                {box,
-                                 radius * radius * (1 + 1e-12),
-                                 {origin_[0], origin_[1], origin_[2]},
-                                 scale_,
-                                 tilt,
-                                 0.5 * radius + (bent == nullptr ? 0 : bent->max_turned)},
-                                out, id_.data(), weight_.data());
+    const GroupSource source{{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()},
+                             seeds_.weights.data(),
+                             {groups_.data(), group_count_},
+                             kept};
+    WindowFrame frame{box,  radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_,
+                      tilt, 0.5 * radius};
+    if (bent == nullptr) {
+        count_ = kernels_.to_window(source, frame, out, id_.data(), weight_.data());
+    } else {
+        frame.length /= std::sqrt(bent->gain);
+        count_ = bent_kernels_.to_bent_window(source, {frame, &bent->tilt, &bent->bend}, out, id_.data(),
+                                              weight_.data());
+    }
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     if (tilt == nullptr) return true;
     const auto set_padding = [&](float weight) {

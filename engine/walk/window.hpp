@@ -18,18 +18,23 @@ namespace votess::cpu {
 class Window {
 public:
     Window(const SortedSeeds& seeds, const Hierarchy& hierarchy, const StarKernels& kernels)
-        : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels), near_bent_(near_bent(kernels.name)) {}
+        : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels), bent_kernels_(bent_kernels(kernels.name)) {}
 
     static constexpr std::size_t home_groups = Hierarchy::slope_groups;
     static constexpr std::size_t home_seeds = home_groups * group_size;
 
     static constexpr std::size_t no_home = ~std::size_t{0} - 1;
 
-    // Where weights bend, each seed of the home is moved by the slope at its place, and distances are from there.
+    // Where weights bend, each seed of the home is moved by the slope at its place, and distances are from there. A
+    // plane n.X = h is h / |n|_G away, with G = A / gain and det G = 1. It cuts off X only if that is less than the
+    // length of X by the inverse of G.
     struct Bent {
         WeightTilt tilt;  // with the least rho
         WeightBend bend;
         double max_turned = 0;  // largest difference from the tilt in the move of a seed of the home
+        double gain = 1;
+        double metric[3][3], inverse[3][3];
+        double longest = 1, longest_inverse = 1;  // |n|_G of a vector of length 1, at most, and the same by the inverse
     };
 
     // Collects all seeds whose planes may come nearer to a seed in a box than about radius / 2, except those of groups
@@ -43,7 +48,7 @@ public:
     [[nodiscard]] WindowSeeds seeds() const {
         return {x_.data(), y_.data(), z_.data(), id_.data(), seeds_.weights.empty() ? nullptr : weight_.data(), count_};
     }
-    // Planes nearer than half of this to a seed are wanted.
+    // Planes nearer than half of this to a seed are wanted, where weights bend by the lengths of the metric.
     [[nodiscard]] double reach() const { return reach_; }
     // Planes nearer than half of this are all there, those of far heavy seeds too.
     [[nodiscard]] double covered() const { return covered_; }
@@ -92,7 +97,7 @@ private:
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const StarKernels& kernels_;
-    NearBent& near_bent_;
+    const BentKernels& bent_kernels_;
     static constexpr std::size_t max_groups = 160;  // beyond it a second search is cheaper
     static constexpr std::size_t max_heavier_groups = 512;
     struct Node {

@@ -342,15 +342,17 @@ TEST_SUITE("stages") {
                     for (std::size_t k = 0; k < 3; ++k) rest -= bounds.slope[k][i] * (seeds[s][k] - center[k]);
                     bounds.top[i] = std::max(bounds.top[i], rest + 1e-12);
                     for (std::size_t p = 0; p < home_seeds.size(); ++p) {
-                        double square = 0, excess = weights[s] - home_weights[p];
+                        double square = 0, bends = 0, excess = weights[s] - home_weights[p];
                         for (std::size_t k = 0; k < 3; ++k) {
                             const double n = seeds[s][k] - home_seeds[p][k];
                             square += n * n;
                             excess -= tilt.slope[k] * n;
-                            for (std::size_t j = 0; j < 3; ++j)
+                            for (std::size_t j = 0; j < 3; ++j) {
                                 excess -= 2 * bent.bend[k][j] * (home_seeds[p][j] - tilt.origin[j]) * n;
+                                bends += bent.bend[k][j] * n * (seeds[s][j] - home_seeds[p][j]);
+                            }
                         }
-                        must[i] = must[i] || square - 2 * length * std::sqrt(square) < excess - 1e-9;
+                        must[i] = must[i] || square - 2 * length * std::sqrt(square - bends) < excess - 1e-9;
                     }
                 }
             }
@@ -361,7 +363,7 @@ TEST_SUITE("stages") {
                 bounds.top[missing] = -infinity;
             }
             test::for_each_set([&](const StarKernels& kernels) {
-                const unsigned near = near_bent(kernels.name)(block, bounds, home, tilt, bent, length);
+                const unsigned near = bent_kernels(kernels.name).near_bent(block, bounds, home, tilt, bent, length);
                 for (std::size_t i = 0; i < box_fan; ++i) {
                     if (must[i]) REQUIRE((near >> i & 1) == 1);
                     if (block.lower[0][i] == infinity) REQUIRE((near >> i & 1) == 0);
