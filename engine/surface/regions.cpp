@@ -123,7 +123,7 @@ void Regions::judge() {
     }
     mark_pairs();
     for (std::size_t r = 0; r < count; ++r) {
-        if (euler_[r] != 1 || border_ends_[r] > 2 || has_triangle[r] == 0) faults_[r] = 1;
+        if (euler_[r] != 1 || border_ends_[r] > 2 || has_triangle[r] == 0) faults_[r] |= faulty;
         if (is_exempt_[r] != 0) faults_[r] = 0;
     }
 }
@@ -179,7 +179,7 @@ void Regions::meet() {
     std::ranges::sort(each);
     each_run(each, [&](std::size_t begin, std::size_t end) {
         ++euler_[at(each[begin])];
-        if (end - begin > 1) faults_[at(each[begin])] = 1;
+        if (end - begin > 1) faults_[at(each[begin])] |= faulty;
     });
     const std::size_t count = around_.size();
     if (is_open_ && count > 1) {
@@ -198,13 +198,12 @@ void Regions::meet() {
 void Regions::mark(std::initializer_list<std::int32_t> regions) {
     std::int32_t best = *regions.begin();
     const auto worth = [&](std::int32_t r) {
-        return std::pair(is_cut_[at(r)] == 0 || counts_[at(r)] > 1, areas_[at(r)]);
+        return std::tuple(is_exempt_[at(r)] == 0, is_cut_[at(r)] == 0 || counts_[at(r)] > 1, areas_[at(r)]);
     };
-    for (const std::int32_t r : regions) {
-        if (is_exempt_[at(r)] != 0) return;
+    const bool has_exempt = std::ranges::any_of(regions, [&](std::int32_t r) { return is_exempt_[at(r)] != 0; });
+    for (const std::int32_t r : regions)
         if (worth(r) > worth(best)) best = r;
-    }
-    faults_[at(best)] = 1;
+    faults_[at(best)] |= has_exempt ? beside_crowd : faulty;
 }
 
 // Marks regions that share several curves, or an edge that has not two triangles, or one on the border.
@@ -243,7 +242,7 @@ void Regions::cut_faces() {
     for (std::size_t f = 0; f < faces_.polygon_pieces.size(); ++f) {
         const std::size_t region = at(faces_.polygon_pieces[f]);
         const std::size_t begin = at(faces_.polygon_offsets[f]), end = at(faces_.polygon_offsets[f + 1]);
-        if (faults_[region] == 0 || is_cut_[region] != 0) {
+        if (!is_split(region) || is_cut_[region] != 0) {
             for (std::size_t s = begin; s < end; ++s) {
                 cut.corners.push_back(faces_.corners[s]);
                 cut.beyond.push_back(faces_.beyond[s]);
@@ -265,7 +264,7 @@ void Regions::cut_faces() {
         }
     }
     faces_ = std::move(cut);
-    for (std::size_t r = 0; r < faults_.size(); ++r) is_cut_[r] |= faults_[r];
+    for (std::size_t r = 0; r < faults_.size(); ++r) is_cut_[r] |= is_split(r) ? 1 : 0;
     connect();
 }
 
@@ -315,16 +314,17 @@ bool Regions::bisect(std::int32_t region, const std::vector<std::size_t>& own) {
 }
 
 void Regions::split(std::size_t max) {
-    while (std::ranges::find(faults_, 1) != faults_.end() && is_cut_.size() < max) {
+    const auto is_faulty = [](std::uint8_t fault) { return (fault & faulty) != 0; };
+    while (is_cut_.size() < max && std::ranges::any_of(faults_, is_faulty)) {
         cut_faces();
         const std::size_t count = faults_.size();
         std::vector<std::vector<std::size_t>> own(count);
         for (std::size_t f = 0; f < faces_.polygon_pieces.size(); ++f)
-            if (const std::size_t region = at(faces_.polygon_pieces[f]); faults_[region] != 0) own[region].push_back(f);
-        bool is_split = false;
+            if (const std::size_t region = at(faces_.polygon_pieces[f]); is_split(region)) own[region].push_back(f);
+        bool is_any = false;
         for (std::size_t r = 0; r < count && is_cut_.size() < max; ++r)
-            if (faults_[r] != 0) is_split |= bisect(static_cast<std::int32_t>(r), own[r]);
-        if (!is_split) return;
+            is_any |= bisect(static_cast<std::int32_t>(r), own[r]);
+        if (!is_any) return;
         judge();
     }
 }

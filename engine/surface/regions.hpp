@@ -30,7 +30,7 @@ public:
     // Splits faulty regions until there are none, or `max` regions. Each new one follows all before.
     void split(std::size_t max);
     [[nodiscard]] std::size_t size() const { return areas_.size(); }
-    // By region: 1 if triangles would not fit together there as the surface does. Those at edges of more than two
+    // By region: not 0 if triangles would not fit together there as the surface does. Regions at edges of more than two
     // triangles of the surface do not count.
     [[nodiscard]] const std::vector<std::uint8_t>& faults() const { return faults_; }
     // Returns whether a region was split, or cut to be.
@@ -41,6 +41,7 @@ public:
     [[nodiscard]] const SurfaceCells& faces() const { return faces_; }
 
 private:
+    static constexpr std::uint8_t faulty = 1, beside_crowd = 2;  // by region: splitting it may not help the latter
     static constexpr std::int64_t border = -1, crowded = -2;  // of one triangle, of more than two
     using Pair = std::pair<std::int32_t, std::int32_t>;
 
@@ -51,6 +52,7 @@ private:
     void count_sides();
     void mark(std::initializer_list<std::int32_t> regions);
     void mark_pairs();
+    [[nodiscard]] bool is_split(std::size_t region) const { return (faults_[region] & faulty) != 0; }  // or will be
     void cut_faces();
     [[nodiscard]] bool bisect(std::int32_t region, const std::vector<std::size_t>& own);
     [[nodiscard]] std::size_t next(std::size_t side) const {

@@ -19,6 +19,7 @@
 #include "input/settle.hpp"
 #include "solid/closed_mesh.hpp"
 #include "surface/features.hpp"
+#include "surface/flips.hpp"
 #include "surface/mesh_report.hpp"
 #include "surface/nearest.hpp"
 #include "surface/regions.hpp"
@@ -35,6 +36,9 @@ constexpr unsigned trial_steps = 5, max_trials = 3;
 constexpr double max_excess = 0.02;
 // Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
 constexpr unsigned max_rounds = 10, steps_of_round = 3;
+// Those at parts that do not fit together are added in the first rounds. Later these are split: more seeds would mend
+// some and make others, as where cells mix the sides of a thin sheet.
+constexpr unsigned rounds_of_parts = 3;
 // First, seeds move to features that the mesh misses. Then they are added there: in the last rounds at borders alone,
 // and without steps, which would move others off again.
 constexpr unsigned moving_rounds = 4, still_rounds = 20;
@@ -249,11 +253,12 @@ public:
 
     [[nodiscard]] Remesh make() {
         relax();
-        const std::size_t added = mend();
+        mend();
         Remesh mesh;
         mesh.vertices = vertices_of_parts();
-        split(count_ - added, mesh.vertices);
+        split(count_ / 2, mesh.vertices);
         mesh.triangles = regions_->triangles();
+        flip_flat(mesh.vertices, options_.sharp, mesh.triangles);
         SurfaceRelaxation relaxed = relaxation_->take();
         mesh.points = std::move(relaxed.points);
         mesh.energies = std::move(relaxed.energies);
@@ -299,8 +304,7 @@ private:
     void check() { regions_.emplace(whole_cells(relaxation_->points(), mesh_, options_.threads)); }
 
     // Adds a seed to each faulty part, as far as possible from its vertex; and seeds on features that the mesh misses.
-    // Returns their number.
-    std::size_t mend() {
+    void mend() {
         std::size_t added = 0, open = std::numeric_limits<std::size_t>::max();  // open: borders with gaps, before
         for (unsigned round = 0; round < max_rounds + still_rounds; ++round) {
             check();
@@ -350,12 +354,12 @@ private:
                     if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
-                if (bad[piece] != 0 && corners[piece] >= 0 && round < max_rounds)
+                if (bad[piece] != 0 && corners[piece] >= 0 && round < rounds_of_parts)
                     add(place_of(cells.vertices, at(corners[piece])));
             // More seeds at places that sheets of the surface share would not close them.
-            if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return added;
+            if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
             if (more.empty() && !is_moved) {
-                if (at_borders == 0 || round >= max_rounds) return added;
+                if (at_borders == 0 || round >= max_rounds) return;
                 round = max_rounds - 1;
                 continue;
             }
@@ -364,7 +368,6 @@ private:
             for (unsigned k = 0; round < max_rounds && k < steps_of_round; ++k) step();
         }
         check();
-        return added;
     }
 
     // Splits parts that are still at fault into at most so many more, and adds a vertex for each.
