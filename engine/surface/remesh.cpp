@@ -256,7 +256,7 @@ public:
         mend();
         Remesh mesh;
         mesh.vertices = vertices_of_parts();
-        split(count_ / 2, mesh.vertices);
+        split(count_ - 1, mesh.vertices);
         mesh.triangles = regions_->triangles();
         flip_flat(mesh.vertices, options_.sharp, mesh.triangles);
         SurfaceRelaxation relaxed = relaxation_->take();
