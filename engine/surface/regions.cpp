@@ -73,8 +73,8 @@ void Regions::connect() {
                   f);
         for (std::size_t s = begin; s < end; ++s) {
             const auto [low, high] = std::minmax({faces_.corners[s], faces_.corners[next(s)]});
-            keys.push_back({low, high, faces_.beyond[s] < 0 ? -1 : faces_.polygon_triangles[f],
-                            static_cast<std::uint32_t>(s)});
+            keys.push_back(
+                {low, high, faces_.beyond[s] < 0 ? -1 : faces_.polygon_triangles[f], static_cast<std::uint32_t>(s)});
         }
     }
     std::ranges::sort(keys);
@@ -136,8 +136,8 @@ void Regions::count_sides() {
         ++euler_[region];
         for (std::size_t s = at(faces_.polygon_offsets[f]); s < at(faces_.polygon_offsets[f + 1]); ++s) {
             if (other_[s] == crowded) is_exempt_[region] = 1;
-            const bool is_counted = other_[s] >= 0 && at(other_[s]) < s &&
-                                    region_of(at(other_[s])) == faces_.polygon_pieces[f];
+            const bool is_counted =
+                other_[s] >= 0 && at(other_[s]) < s && region_of(at(other_[s])) == faces_.polygon_pieces[f];
             if (!is_counted) --euler_[region];
         }
     }

@@ -1,8 +1,8 @@
 // Regions of a surface, and the triangles that join those that meet.
 //
-// The polygons of all cells are faces of a complex without gaps. Each is in a region: at first, in a connected part of a
-// cell. Triangles join the regions that meet at a place. They form a mesh like the surface if regions are disks, two of
-// them share one curve at most, and three one place (Edelsbrunner, Shah: Triangulating topological spaces, 1997).
+// The polygons of all cells are faces of a complex without gaps. Each is in a region: at first, in a connected part of
+// a cell. Triangles join the regions that meet at a place. They form a mesh like the surface if regions are disks, two
+// of them share one curve at most, and three one place (Edelsbrunner, Shah: Triangulating topological spaces, 1997).
 // Otherwise regions are split along sides of faces, which are first cut into triangles from their middle. That ends: no
 // two of these triangles share more than a side, so that each could be a region of its own.
 #pragma once
@@ -42,7 +42,7 @@ public:
 
 private:
     static constexpr std::uint8_t faulty = 1, beside_crowd = 2;  // by region: splitting it may not help the latter
-    static constexpr std::int64_t border = -1, crowded = -2;  // of one triangle, of more than two
+    static constexpr std::int64_t border = -1, crowded = -2;     // of one triangle, of more than two
     using Pair = std::pair<std::int32_t, std::int32_t>;
 
     void connect();
@@ -57,7 +57,7 @@ private:
     [[nodiscard]] bool bisect(std::int32_t region, const std::vector<std::size_t>& own);
     [[nodiscard]] std::size_t next(std::size_t side) const {
         return side + 1 == at(faces_.polygon_offsets[face_[side] + 1]) ? at(faces_.polygon_offsets[face_[side]])
-                                                                      : side + 1;
+                                                                       : side + 1;
     }
     [[nodiscard]] std::size_t before(std::size_t side) const {
         return side == at(faces_.polygon_offsets[face_[side]]) ? at(faces_.polygon_offsets[face_[side] + 1]) - 1
@@ -70,18 +70,18 @@ private:
     std::vector<std::int64_t> other_;  // by side: the one on the other face; border or crowded
     // By region.
     std::vector<double> areas_;
-    std::vector<std::size_t> counts_;     // faces
-    std::vector<std::uint8_t> is_cut_;    // its faces are triangles from a middle
+    std::vector<std::size_t> counts_;   // faces
+    std::vector<std::uint8_t> is_cut_;  // its faces are triangles from a middle
     std::vector<std::uint8_t> is_exempt_;
     std::vector<std::int64_t> euler_;
     std::vector<std::uint32_t> border_ends_;  // of its stretches of the border
     std::vector<std::uint8_t> faults_;
     std::vector<std::int32_t> triangles_;
     std::vector<std::array<std::int32_t, 3>> meetings_;  // triangles as found
-    std::vector<Pair> ends_;     // of curves that two regions share
-    std::vector<Pair> closing_;  // edges of triangles on the border
-    std::vector<std::int32_t> around_;  // regions around a vertex, each run once
-    bool is_open_ = false;              // they begin and end at a border
+    std::vector<Pair> ends_;                             // of curves that two regions share
+    std::vector<Pair> closing_;                          // edges of triangles on the border
+    std::vector<std::int32_t> around_;                   // regions around a vertex, each run once
+    bool is_open_ = false;                               // they begin and end at a border
 };
 
 }  // namespace votess::surface

@@ -256,14 +256,15 @@ public:
         mend();
         Remesh mesh;
         mesh.vertices = vertices_of_parts();
-        split(count_ - 1, mesh.vertices);
-        mesh.triangles = regions_->triangles();
+        Regions regions = regions_of_parts();
+        split(regions, count_ - 1, mesh.vertices);
+        mesh.triangles = regions.triangles();
         flip_flat(mesh.vertices, options_.sharp, mesh.triangles);
         SurfaceRelaxation relaxed = relaxation_->take();
         mesh.points = std::move(relaxed.points);
         mesh.energies = std::move(relaxed.energies);
         mesh.cells = std::move(relaxed.cells);
-        report_on_mesh(mesh, *regions_, features_, scaled_);
+        report_on_mesh(mesh, regions, features_, scaled_);
         unscale(mesh, scale_);
         multiply(mesh.vertices, {scale_});
         mesh.distance *= scale_;
@@ -300,17 +301,18 @@ private:
         for (unsigned k = trial; k < options_.steps; ++k) step();
     }
 
-    // Finds how the parts of the cells fit together.
-    void check() { regions_.emplace(whole_cells(relaxation_->points(), mesh_, options_.threads)); }
+    [[nodiscard]] Regions regions_of_parts() const {
+        return Regions(whole_cells(relaxation_->points(), mesh_, options_.threads));
+    }
 
     // Adds a seed to each faulty part, as far as possible from its vertex; and seeds on features that the mesh misses.
     void mend() {
         std::size_t added = 0, open = std::numeric_limits<std::size_t>::max();  // open: borders with gaps, before
         for (unsigned round = 0; round < max_rounds + still_rounds; ++round) {
-            check();
             const SurfaceCells& cells = relaxation_->cells();
             const std::vector<double> vertices = vertices_of_parts();
-            std::vector<std::uint8_t> bad = regions_->faults();
+            std::vector<std::uint8_t> bad(vertices.size() / 3);
+            if (round < rounds_of_parts) bad = regions_of_parts().faults();
             std::vector<std::size_t> seeds;  // by part
             for (std::size_t i = 0; i < cells.size(); ++i) seeds.insert(seeds.end(), at(cells.pieces[i]), i);
             std::vector<double> far(bad.size(), -1);
@@ -354,7 +356,7 @@ private:
                     if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
-                if (bad[piece] != 0 && corners[piece] >= 0 && round < rounds_of_parts)
+                if (bad[piece] != 0 && corners[piece] >= 0)
                     add(place_of(cells.vertices, at(corners[piece])));
             // More seeds at places that sheets of the surface share would not close them.
             if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
@@ -367,18 +369,17 @@ private:
             if (!more.empty()) relaxation_->add(more);
             for (unsigned k = 0; round < max_rounds && k < steps_of_round; ++k) step();
         }
-        check();
     }
 
     // Splits parts that are still at fault into at most so many more, and adds a vertex for each.
-    void split(std::size_t max_more, std::vector<double>& vertices) {
-        const std::size_t parts = regions_->size();
-        regions_->split(parts + max_more);
-        if (regions_->size() == parts) return;
-        const SurfaceCells& faces = regions_->faces();
-        std::vector<Vector3> places(regions_->size(), Vector3{nan, nan, nan});
+    void split(Regions& regions, std::size_t max_more, std::vector<double>& vertices) const {
+        const std::size_t parts = regions.size();
+        regions.split(parts + max_more);
+        if (regions.size() == parts) return;
+        const SurfaceCells& faces = regions.faces();
+        std::vector<Vector3> places(regions.size(), Vector3{nan, nan, nan});
         for (std::size_t i = 0; i < places.size(); ++i)
-            if (!regions_->is_cut(i)) places[i] = place_of(vertices, i);
+            if (!regions.is_cut(i)) places[i] = place_of(vertices, i);
         find_middles(faces, places);
         features_.attract(faces, places);
         // Without an area, a corner will do.
@@ -388,7 +389,7 @@ private:
         }
         vertices.resize(3 * places.size());
         for (std::size_t i = 0; i < places.size(); ++i)
-            if (regions_->is_cut(i))
+            if (regions.is_cut(i))
                 std::ranges::copy(places[i], vertices.begin() + static_cast<std::ptrdiff_t>(3 * i));
     }
 
@@ -414,7 +415,6 @@ private:
     std::size_t count_;
     const RemeshOptions& options_;
     std::optional<Relaxation> relaxation_;
-    std::optional<Regions> regions_;  // of its cells
     std::size_t done_ = 0, all_steps_;
 };
 
