@@ -250,19 +250,4 @@ void Features::add_gaps(std::span<const Stretch> stretches, const SurfaceCells& 
     }
 }
 
-std::vector<std::pair<std::int32_t, std::int32_t>> Features::joined_at_borders(const SurfaceCells& cells) const {
-    std::vector<std::pair<std::int32_t, std::int32_t>> ends, joined;  // a place and a part; two parts
-    each_stretch(cells, [&](std::size_t piece, std::int32_t from, std::int32_t to, std::int32_t triangles) {
-        if (triangles != 1) return;
-        ends.emplace_back(from, static_cast<std::int32_t>(piece));
-        ends.emplace_back(to, static_cast<std::int32_t>(piece));
-    });
-    std::ranges::sort(ends);
-    for (std::size_t i = 0; i < ends.size(); ++i)
-        for (std::size_t k = i + 1; k < ends.size() && ends[k].first == ends[i].first; ++k)
-            joined.emplace_back(ends[i].second, ends[k].second);
-    std::ranges::sort(joined);
-    return joined;
-}
-
 }  // namespace votess::surface

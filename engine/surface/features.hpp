@@ -31,13 +31,6 @@ public:
     // part's vertex is not on. A part with a vertex on one sharp edge may hold others, or further corners near by;
     // those of borders are gaps. vertices: by part.
     [[nodiscard]] std::vector<Gap> gaps(const SurfaceCells& cells, const std::vector<double>& vertices) const;
-    // Returns pairs of parts that follow each other along a border, ascending, the lower part first.
-    [[nodiscard]] std::vector<std::pair<std::int32_t, std::int32_t>> joined_at_borders(const SurfaceCells& cells) const;
-    // Returns whether more than two triangles meet at the edge of the surface from a corner of a triangle.
-    [[nodiscard]] bool is_crowded(std::size_t triangle, std::size_t corner) const {
-        const std::int32_t edge = edge_of_[3 * triangle + corner];
-        return edge >= 0 && counts_[static_cast<std::size_t>(edge)] > 2;
-    }
 
 private:
     enum class Corner : std::uint8_t { none, sharp, of_border };

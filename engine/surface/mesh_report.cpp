@@ -20,30 +20,18 @@ Vector3 place_at(const std::vector<double>& places, std::int32_t i) {
     return {places[k], places[k + 1], places[k + 2]};
 }
 
-struct Edge {
-    std::int32_t low, high;
-    std::size_t triangles;
-};
-
-// Returns the edges of triangles, each once.
-std::vector<Edge> edges_of(const std::vector<std::int32_t>& triangles) {
+// Returns how many triangles meet at each edge.
+std::vector<std::size_t> triangles_at_edges(const std::vector<std::int32_t>& triangles) {
     std::vector<std::pair<std::int32_t, std::int32_t>> sides;
     for (std::size_t k = 0; k < triangles.size(); ++k)
         sides.push_back(std::minmax({triangles[k], triangles[k % 3 == 2 ? k - 2 : k + 1]}));
     std::ranges::sort(sides);
-    std::vector<Edge> edges;
-    for (const auto& [low, high] : sides) {
-        if (edges.empty() || edges.back().low != low || edges.back().high != high) edges.push_back({low, high, 0});
-        ++edges.back().triangles;
+    std::vector<std::size_t> counts;
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+        if (k == 0 || sides[k] != sides[k - 1]) counts.push_back(0);
+        ++counts.back();
     }
-    return edges;
-}
-
-// Returns the connected part that is the first of each cell, and their number.
-std::vector<std::int32_t> first_parts(const SurfaceCells& cells) {
-    std::vector<std::int32_t> first{0};
-    for (const std::int32_t pieces : cells.pieces) first.push_back(first.back() + pieces);
-    return first;
+    return counts;
 }
 
 // A tree of boxes over triangles.
@@ -168,76 +156,21 @@ void measure_angles(Remesh& mesh) {
     mesh.mean_min_angle = count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-// Marks parts without a triangle, and those with a common curve but no edge: a small component in two cells, or cells
-// that follow each other along a ribbon. The mesh would lack them.
-void mark_lone_parts(const SurfaceCells& cells, const std::vector<std::int32_t>& triangles,
-                     const std::vector<std::int32_t>& first, std::vector<std::uint8_t>& bad) {
-    std::vector<std::int32_t> cell_of(bad.size());
-    for (std::size_t i = 0; i < cells.size(); ++i)
-        std::fill(cell_of.begin() + first[i], cell_of.begin() + first[i + 1], static_cast<std::int32_t>(i));
-    std::vector<std::pair<std::int32_t, std::int32_t>> joined;  // a part, and a cell that an edge leads to
-    for (const auto& [low, high, count] : edges_of(triangles)) {
-        joined.emplace_back(low, cell_of[at(high)]);
-        joined.emplace_back(high, cell_of[at(low)]);
-    }
-    std::ranges::sort(joined);
-    for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p)
-        for (std::int64_t c = cells.polygon_offsets[p]; c < cells.polygon_offsets[p + 1]; ++c) {
-            const std::pair side{cells.polygon_pieces[p], cells.beyond[at(c)]};
-            if (side.second >= 0 && !std::ranges::binary_search(joined, side)) bad[at(side.first)] = 1;
-        }
-    std::vector<std::uint8_t> has_triangle(bad.size());
-    for (const std::int32_t part : triangles) has_triangle[at(part)] = 1;
-    for (std::size_t part = 0; part < bad.size(); ++part)
-        if (has_triangle[part] == 0) bad[part] = 1;
-}
-
 }  // namespace
 
-std::vector<std::uint8_t> faulty_parts(const SurfaceCells& cells, const std::vector<std::int32_t>& triangles,
-                                       const Features& features) {
-    const std::vector<std::int32_t> first = first_parts(cells);
-    std::vector<std::uint8_t> bad(at(first.back())), at_border(bad.size()), is_crowded(bad.size());
-    for (std::size_t i = 0; i < cells.size(); ++i)
-        for (std::int32_t piece = first[i]; piece < first[i + 1]; ++piece) {
-            bad[at(piece)] = cells.euler[i] != cells.pieces[i] ? 1 : 0;
-            at_border[at(piece)] = cells.borders[i] > 0 ? 1 : 0;
-        }
-    // Two cells of one part each with several common curves, as around an opening.
-    for (std::size_t i = 0; i < cells.size(); ++i)
-        for (std::size_t k = at(cells.indptr[i]); k < at(cells.indptr[i + 1]); ++k)
-            if (cells.pieces[i] == 1 && cells.pieces[at(cells.indices[k])] == 1 &&
-                (cells.curves[k] != 1 || cells.loops[k] != 0))
-                bad[at(first[i])] = 1;
-    for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p)
-        for (std::int64_t c = cells.polygon_offsets[p]; c < cells.polygon_offsets[p + 1]; ++c)
-            if (const std::int32_t beyond = cells.beyond[at(c)];
-                beyond < 0 && features.is_crowded(at(cells.polygon_triangles[p]), at(-1 - beyond)))
-                is_crowded[at(cells.polygon_pieces[p])] = 1;
-    for (std::size_t t = 0; t < cells.piece_dual_counts.size(); ++t)
-        if (cells.piece_dual_counts[t] > 1) bad[at(cells.piece_dual[3 * t])] = 1;
-    const auto joined = features.joined_at_borders(cells);
-    for (const auto& [low, high, count] : edges_of(triangles))
-        if (count > 2 || (count == 1 && !std::ranges::binary_search(joined, std::pair(low, high))))
-            bad[at(at_border[at(low)] == 0 ? low : high)] = 1;
-    mark_lone_parts(cells, triangles, first, bad);
-    for (std::size_t piece = 0; piece < bad.size(); ++piece)
-        if (is_crowded[piece] != 0) bad[piece] = 0;
-    return bad;
-}
-
-void report_on_mesh(Remesh& mesh, const Features& features, const solid::MeshArrays& surface) {
+void report_on_mesh(Remesh& mesh, const Regions& regions, const Features& features, const solid::MeshArrays& surface) {
     measure_angles(mesh);
-    for (const Edge& edge : edges_of(mesh.triangles)) {
-        mesh.border_edges += edge.triangles == 1 ? 1 : 0;
-        mesh.crowded_edges += edge.triangles > 2 ? 1 : 0;
+    for (const std::size_t triangles : triangles_at_edges(mesh.triangles)) {
+        mesh.border_edges += triangles == 1 ? 1 : 0;
+        mesh.crowded_edges += triangles > 2 ? 1 : 0;
     }
-    std::vector<std::uint8_t> bad = faulty_parts(mesh.cells, mesh.triangles, features);
-    for (const Features::Gap& gap : features.gaps(mesh.cells, mesh.vertices)) bad[gap.piece] = 1;
-    const std::vector<std::int32_t> first = first_parts(mesh.cells);
-    for (std::size_t i = 0; i < mesh.cells.size(); ++i)
-        if (std::any_of(bad.begin() + first[i], bad.begin() + first[i + 1], [](std::uint8_t b) { return b != 0; }))
-            mesh.faults.push_back(static_cast<std::int32_t>(i));
+    std::vector<std::uint8_t> bad = regions.faults();
+    for (const Features::Gap& gap : features.gaps(regions.faces(), mesh.vertices)) bad[gap.piece] = 1;
+    const SurfaceCells& faces = regions.faces();
+    for (std::size_t f = 0; f < faces.polygon_pieces.size(); ++f)
+        if (bad[at(faces.polygon_pieces[f])] != 0) mesh.faults.push_back(faces.polygon_seeds[f]);
+    std::ranges::sort(mesh.faults);
+    mesh.faults.erase(std::unique(mesh.faults.begin(), mesh.faults.end()), mesh.faults.end());
     mesh.distance = distance_of(mesh, surface);
 }
 

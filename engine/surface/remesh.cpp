@@ -19,8 +19,10 @@
 #include "input/settle.hpp"
 #include "solid/closed_mesh.hpp"
 #include "surface/features.hpp"
+#include "surface/flips.hpp"
 #include "surface/mesh_report.hpp"
 #include "surface/nearest.hpp"
+#include "surface/regions.hpp"
 
 namespace votess {
 namespace surface {
@@ -34,6 +36,9 @@ constexpr unsigned trial_steps = 5, max_trials = 3;
 constexpr double max_excess = 0.02;
 // Seeds are added at faults in rounds, each with some steps; in all no more than the vertices requested.
 constexpr unsigned max_rounds = 10, steps_of_round = 3;
+// Those at parts that do not fit together are added in the first rounds. Later these are split: more seeds would mend
+// some and make others, as where cells mix the sides of a thin sheet.
+constexpr unsigned rounds_of_parts = 3;
 // First, seeds move to features that the mesh misses. Then they are added there: in the last rounds at borders alone,
 // and without steps, which would move others off again.
 constexpr unsigned moving_rounds = 4, still_rounds = 20;
@@ -125,20 +130,15 @@ void each_triangle(const SurfaceCells& cells, std::size_t polygon, const Use& us
     for (std::size_t c = begin + 1; c + 1 < end; ++c) use(corner(begin), corner(c), corner(c + 1));
 }
 
-// Returns the place of each connected part that is nearest to its centroid; NaN without an area.
-std::vector<Vector3> middles_of(const SurfaceCells& cells) {
-    std::vector<Vector3> places;
-    std::vector<std::uint8_t> alone;
-    for (std::size_t i = 0; i < cells.size(); ++i)
-        for (std::int32_t k = 0; k < cells.pieces[i]; ++k) {
-            alone.push_back(cells.pieces[i] == 1 ? 1 : 0);
-            places.push_back(cells.pieces[i] == 1 ? place_of(cells.nearest, i) : Vector3{nan, nan, nan});
-        }
+// Fills the places of pieces of polygons that are NaN: with the one nearest to the centroid, if there is an area.
+void find_middles(const SurfaceCells& cells, std::vector<Vector3>& places) {
+    std::vector<std::uint8_t> is_known;
+    for (const Vector3& place : places) is_known.push_back(std::isnan(place[0]) ? 0 : 1);
     std::vector<Vector3> centroids(places.size());
     std::vector<double> areas(places.size()), least(places.size(), std::numeric_limits<double>::infinity());
     for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
         const std::size_t piece = at(cells.polygon_pieces[p]);
-        if (alone[piece] != 0) continue;
+        if (is_known[piece] != 0) continue;
         each_triangle(cells, p, [&](const Vector3& a, const Vector3& b, const Vector3& c) {
             const Vector3 n = cross(minus(b, a), minus(c, a));
             const double area = length3(n[0], n[1], n[2]);
@@ -148,7 +148,7 @@ std::vector<Vector3> middles_of(const SurfaceCells& cells) {
     }
     for (std::size_t p = 0; p < cells.polygon_pieces.size(); ++p) {
         const std::size_t piece = at(cells.polygon_pieces[p]);
-        if (alone[piece] != 0 || !(areas[piece] > 0)) continue;
+        if (is_known[piece] != 0 || !(areas[piece] > 0)) continue;
         const Vector3& sum = centroids[piece];
         const Vector3 centroid{sum[0] / areas[piece], sum[1] / areas[piece], sum[2] / areas[piece]};
         each_triangle(cells, p, [&](const Vector3& a, const Vector3& b, const Vector3& c) {
@@ -157,6 +157,15 @@ std::vector<Vector3> middles_of(const SurfaceCells& cells) {
                 least[piece] = far, places[piece] = place;
         });
     }
+}
+
+// Returns the place of each connected part that is nearest to its centroid; NaN without an area.
+std::vector<Vector3> middles_of(const SurfaceCells& cells) {
+    std::vector<Vector3> places;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        for (std::int32_t k = 0; k < cells.pieces[i]; ++k)
+            places.push_back(cells.pieces[i] == 1 ? place_of(cells.nearest, i) : Vector3{nan, nan, nan});
+    find_middles(cells, places);
     return places;
 }
 
@@ -245,13 +254,17 @@ public:
     [[nodiscard]] Remesh make() {
         relax();
         mend();
-        relaxation_->complete();
-        Remesh mesh = meshed();
+        Remesh mesh;
+        mesh.vertices = vertices_of_parts();
+        Regions regions = regions_of_parts();
+        split(regions, count_ - 1, mesh.vertices);
+        mesh.triangles = regions.triangles();
+        flip_flat(mesh.vertices, options_.sharp, mesh.triangles);
         SurfaceRelaxation relaxed = relaxation_->take();
         mesh.points = std::move(relaxed.points);
         mesh.energies = std::move(relaxed.energies);
         mesh.cells = std::move(relaxed.cells);
-        report_on_mesh(mesh, features_, scaled_);
+        report_on_mesh(mesh, regions, features_, scaled_);
         unscale(mesh, scale_);
         multiply(mesh.vertices, {scale_});
         mesh.distance *= scale_;
@@ -288,14 +301,18 @@ private:
         for (unsigned k = trial; k < options_.steps; ++k) step();
     }
 
+    [[nodiscard]] Regions regions_of_parts() const {
+        return Regions(whole_cells(relaxation_->points(), mesh_, options_.threads));
+    }
+
     // Adds a seed to each faulty part, as far as possible from its vertex; and seeds on features that the mesh misses.
     void mend() {
         std::size_t added = 0, open = std::numeric_limits<std::size_t>::max();  // open: borders with gaps, before
         for (unsigned round = 0; round < max_rounds + still_rounds; ++round) {
-            relaxation_->complete();
             const SurfaceCells& cells = relaxation_->cells();
-            const Remesh mesh = meshed();
-            std::vector<std::uint8_t> bad = faulty_parts(cells, mesh.triangles, features_);
+            const std::vector<double> vertices = vertices_of_parts();
+            std::vector<std::uint8_t> bad(vertices.size() / 3);
+            if (round < rounds_of_parts) bad = regions_of_parts().faults();
             std::vector<std::size_t> seeds;  // by part
             for (std::size_t i = 0; i < cells.size(); ++i) seeds.insert(seeds.end(), at(cells.pieces[i]), i);
             std::vector<double> far(bad.size(), -1);
@@ -305,7 +322,7 @@ private:
                 if (bad[piece] == 0) continue;
                 for (std::int64_t c = cells.polygon_offsets[p]; c < cells.polygon_offsets[p + 1]; ++c) {
                     const std::int32_t corner = cells.corners[at(c)];
-                    const double d = distance(place_of(cells.vertices, at(corner)), place_of(mesh.vertices, piece));
+                    const double d = distance(place_of(cells.vertices, at(corner)), place_of(vertices, piece));
                     if (d > far[piece]) far[piece] = d, corners[piece] = corner;
                 }
             }
@@ -319,7 +336,7 @@ private:
             bool is_moved = false;
             std::size_t at_borders = 0;
             std::vector<std::uint8_t> has_gap(cells.size());
-            for (const Features::Gap& gap : features_.gaps(cells, mesh.vertices)) {
+            for (const Features::Gap& gap : features_.gaps(cells, vertices)) {
                 const bool is_still = round >= max_rounds;
                 at_borders += gap.is_border ? 1 : 0;
                 bad[gap.piece] = 0;
@@ -339,7 +356,7 @@ private:
                     if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
-                if (bad[piece] != 0 && corners[piece] >= 0 && round < max_rounds)
+                if (bad[piece] != 0 && corners[piece] >= 0)
                     add(place_of(cells.vertices, at(corners[piece])));
             // More seeds at places that sheets of the surface share would not close them.
             if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
@@ -354,21 +371,41 @@ private:
         }
     }
 
-    // Returns vertices and triangles. A seed is the vertex of its only part.
-    [[nodiscard]] Remesh meshed() const {
-        Remesh mesh;
+    // Splits parts that are still at fault into at most so many more, and adds a vertex for each.
+    void split(Regions& regions, std::size_t max_more, std::vector<double>& vertices) const {
+        const std::size_t parts = regions.size();
+        regions.split(parts + max_more);
+        if (regions.size() == parts) return;
+        const SurfaceCells& faces = regions.faces();
+        std::vector<Vector3> places(regions.size(), Vector3{nan, nan, nan});
+        for (std::size_t i = 0; i < places.size(); ++i)
+            if (!regions.is_cut(i)) places[i] = place_of(vertices, i);
+        find_middles(faces, places);
+        features_.attract(faces, places);
+        // Without an area, a corner will do.
+        for (std::size_t p = 0; p < faces.polygon_pieces.size(); ++p) {
+            Vector3& place = places[at(faces.polygon_pieces[p])];
+            if (std::isnan(place[0])) place = place_of(faces.vertices, at(faces.corners[at(faces.polygon_offsets[p])]));
+        }
+        vertices.resize(3 * places.size());
+        for (std::size_t i = 0; i < places.size(); ++i)
+            if (regions.is_cut(i))
+                std::ranges::copy(places[i], vertices.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+
+    // Returns the vertex of each connected part. A seed is the vertex of its only part.
+    [[nodiscard]] std::vector<double> vertices_of_parts() const {
         const SurfaceCells& cells = relaxation_->cells();
-        const std::vector<double>& points = relaxation_->points();
-        mesh.triangles = cells.piece_dual;
+        std::vector<double> vertices;
         const std::vector<Vector3> at_parts = places();
         for (std::size_t i = 0; i < cells.size(); ++i)
             for (std::int32_t k = 0; k < cells.pieces[i]; ++k) {
-                const Vector3& place = at_parts[mesh.vertices.size() / 3];
+                const Vector3& place = at_parts[vertices.size() / 3];
                 const bool is_seed = cells.pieces[i] == 1 || std::isnan(place[0]);
-                const Vector3 x = is_seed ? place_of(points, i) : place;
-                mesh.vertices.insert(mesh.vertices.end(), x.begin(), x.end());
+                const Vector3 x = is_seed ? place_of(relaxation_->points(), i) : place;
+                vertices.insert(vertices.end(), x.begin(), x.end());
             }
-        return mesh;
+        return vertices;
     }
 
     double scale_ = 1;

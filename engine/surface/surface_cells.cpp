@@ -12,6 +12,7 @@
 #include "surface/measures.hpp"
 #include "surface/nearest.hpp"
 #include "surface/parts.hpp"
+#include "surface/regions.hpp"
 
 namespace votess {
 namespace surface {
@@ -30,8 +31,13 @@ SurfaceCells only_areas(const Surface& surface, ThreadPool& pool) {
 
 class Result {
 public:
-    Result(const Surface& surface, SurfaceWant want, Parts& parts, ThreadPool& pool)
-        : surface_(surface), want_(want), parts_(parts), pool_(pool), unscale_(1 / surface.scale()) {}
+    Result(const Surface& surface, SurfaceWant want, bool is_whole, Parts& parts, ThreadPool& pool)
+        : surface_(surface),
+          want_(want),
+          is_whole_(is_whole),
+          parts_(parts),
+          pool_(pool),
+          unscale_(1 / surface.scale()) {}
 
     [[nodiscard]] SurfaceCells make() {
         sort_by_seed();
@@ -131,18 +137,18 @@ private:
         });
     }
 
-    // Passes on the parts with an area.
+    // Passes on the parts with an area, or all.
     void make_polygons() {
         out_.polygon_offsets.assign(1, 0);
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             const Part& part = parts_.list[p];
-            if (!part.has_area) continue;
+            if (!part.has_area && !is_whole_) continue;
             out_.polygon_triangles.push_back(part.triangle);
             out_.polygon_seeds.push_back(part.seed);
             out_.polygon_areas.push_back(part.area * unscale_ * unscale_);
             out_.polygon_pieces.push_back(pieces_[p]);
             for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
-                if (parts_.without_length[c] != 0) continue;
+                if (parts_.without_length[c] != 0 && !is_whole_) continue;
                 out_.corners.push_back(parts_.corners[c]);
                 out_.beyond.push_back(parts_.sides[c]);
             }
@@ -218,6 +224,7 @@ private:
 
     const Surface& surface_;
     SurfaceWant want_;
+    bool is_whole_;  // keeps parts without area and sides without length
     Parts& parts_;
     ThreadPool& pool_;
     double unscale_;
@@ -226,7 +233,26 @@ private:
     std::vector<std::int32_t> pieces_;          // by part, numbered over all cells
 };
 
+SurfaceCells cells_on(std::span<const double> points, const TriangleMesh& mesh, const SurfaceOptions& options,
+                      bool is_whole) {
+    Progress progress(options.progress);
+    const Stoppable stoppable(progress, {});
+    const Surface surface(points, mesh, options.weights);
+    ThreadPool pool(options.threads);
+    if (options.want == SurfaceWant::areas) return only_areas(surface, pool);
+    Parts parts = find_parts(surface, options.want, pool);
+    return Result(surface, options.want, is_whole, parts, pool).make();
+}
+
 }  // namespace
+
+SurfaceCells whole_cells(std::span<const double> points, const TriangleMesh& mesh, unsigned threads) {
+    SurfaceOptions options;
+    options.want = SurfaceWant::polygons;
+    options.threads = threads;
+    return cells_on(points, mesh, options, true);
+}
+
 }  // namespace surface
 
 SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& mesh, const SurfaceOptions& options) {
@@ -234,13 +260,7 @@ SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& m
     if (options.want < SurfaceWant::areas || options.want > SurfaceWant::all)
         refuse("SurfaceOptions::want is " + std::to_string(static_cast<std::int32_t>(options.want)) +
                ": give areas, nearest, polygons or all");
-    Progress progress(options.progress);
-    const Stoppable stoppable(progress, {});
-    const surface::Surface surface(points, mesh, options.weights);
-    ThreadPool pool(options.threads);
-    if (options.want == SurfaceWant::areas) return surface::only_areas(surface, pool);
-    surface::Parts parts = surface::find_parts(surface, options.want, pool);
-    return surface::Result(surface, options.want, parts, pool).make();
+    return surface::cells_on(points, mesh, options, false);
 }
 
 std::vector<std::int32_t> SurfaceCells::faults() const {

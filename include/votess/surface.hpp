@@ -157,10 +157,11 @@ struct VOTESS_API Remesh {
     std::vector<double> vertices;         // 3W, on the surface
     std::vector<std::int32_t> triangles;  // 3D vertices, turned as the surface; the lowest first
     std::vector<double> points;           // 3M seeds
-    SurfaceCells cells;                   // of these; vertex k is their connected part k
-    std::vector<double> energies;         // before the first step of the relaxation, and after each
-    double min_angle = 0;                 // degrees, of all triangles
-    double mean_min_angle = 0;            // degrees: the mean of the smallest angle of each triangle
+    // Of these; vertex k is their connected part k. Further vertices lie in parts that were split.
+    SurfaceCells cells;
+    std::vector<double> energies;  // before the first step of the relaxation, and after each
+    double min_angle = 0;          // degrees, of all triangles
+    double mean_min_angle = 0;     // degrees: the mean of the smallest angle of each triangle
     // The largest distance found between the two meshes: from corners of the polygons of `cells`, and from the middles
     // of the triangles and of their sides.
     double distance = 0;
@@ -177,9 +178,11 @@ struct VOTESS_API Remesh {
 // and one goes to each of their corners. Where the triangles would miss a corner or a border, as in a sharp tip, seeds
 // are added there. So the mesh ends where the surface does. Sharp edges closer to each other than the triangles are
 // long may share vertices. Where cells fall into several parts, fewer seeds make the same number of vertices. Where the
-// mesh would differ from the surface, as around thin bars, seeds are added; in all at most `count`. The same on any
-// number of threads. Throws as surface_cells(); and invalid_argument for a count of 0 or of more than 2^28, and for a
-// bad angle.
+// mesh would differ from the surface, as around thin bars, seeds are added; in all at most `count`. Parts that still do
+// not fit together are split, into at most `count` more, each with a vertex of its own: so the mesh is closed, and has
+// the handles of the surface, where that is a manifold. `faults` has what is left. Flat triangles are mended by flips
+// of their longest edge. The same on any number of threads. Throws as surface_cells(); and invalid_argument for a count
+// of 0 or of more than 2^28, and for a bad angle.
 [[nodiscard]] VOTESS_API Remesh remesh(const TriangleMesh& surface, std::size_t count,
                                        const RemeshOptions& options = {});
 

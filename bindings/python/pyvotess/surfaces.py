@@ -131,7 +131,8 @@ class Remesh:
     vertices: Float64Array  #: (W, 3) on the given surface
     triangles: Int32Array  #: (D, 3) turned as the given ones
     points: Float64Array  #: (M, 3) seeds
-    cells: SurfaceCells  #: of ``points`` on the given surface; vertex k is their connected part k
+    #: of ``points`` on the given surface; vertex k is their connected part k. Further vertices lie in parts that were split.
+    cells: SurfaceCells
     energies: Float64Array  #: (S + 1,) before the first step of the relaxation, and after each
     #: seeds at which the mesh may differ from the surface: a part is not a disk, the triangles around it do not fit, or they
     #: miss a border or a corner in it. More vertices mend this.
@@ -322,13 +323,16 @@ def remesh(
 ) -> Remesh:
     """Returns a mesh of well-shaped triangles with about ``n`` vertices for a surface.
 
-    It has exactly ``n``, unless parts of the surface are thinner than the triangles are long, or it has more corners. Random places are spread by
-    area, relaxed by Lloyd's method on the surface, and joined by the dual of connected parts. Seeds whose cells hold a
-    stretch of a border or of a sharp edge move along it, and one seed to each of their corners. Seeds are added at corners
-    and borders that the triangles would miss, as in sharp tips. So the mesh ends where the surface does. Where cells fall into several parts, as on both sides of a thin plate,
-    fewer seeds make the same number of vertices. Where the mesh would differ from the surface, as around thin bars, seeds
-    are added. At most ``n`` seeds are added. ``faults`` lists the seeds where that did not help. Sharp edges nearer to each other
-    than the triangles are long may share vertices: ``distance`` tells.
+    It has exactly ``n``, unless parts of the surface are thinner than the triangles are long, or it has more corners. Random
+    places are spread by area, relaxed by Lloyd's method on the surface, and joined by the dual of connected parts. Seeds whose
+    cells hold a stretch of a border or of a sharp edge move along it, and one seed goes to each of their corners. Seeds are
+    added at corners and borders that the triangles would miss, as in sharp tips. So the mesh ends where the surface does. Where
+    cells fall into several parts, as on both sides of a thin plate, fewer seeds make the same number of vertices. Where the
+    mesh would differ from the surface, as around thin bars, seeds are added, at most ``n`` in all. Parts that still do not fit
+    together are split, into at most ``n`` more, each with a vertex of its own: so the mesh is closed, and has the handles of
+    the surface, where that is a manifold. ``faults`` lists the seeds where that did not help. Flat triangles are mended by
+    flips of their longest edge. Sharp edges nearer to each other than the triangles are long may share vertices: ``distance``
+    tells.
 
     Parameters
     ----------

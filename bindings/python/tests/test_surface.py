@@ -16,6 +16,21 @@ def cube():
     return corners, [t for a, b, c, d in squares for t in ((a, b, c), (a, c, d))]
 
 
+def grating(cells, thickness):
+    """Returns a closed plate of unit squares with (cells // 2)^2 square holes."""
+    solid = np.pad(np.ones((cells, cells), bool), 1)
+    solid[2:-1:2, 2:-1:2] = False
+    squares = []
+    for i, j in np.argwhere(solid):
+        a, b, c, d = (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)
+        squares += [[(*p, 1) for p in (a, b, c, d)], [(*p, 0) for p in (d, c, b, a)]]
+        for p, q, beyond in ((a, b, (i, j - 1)), (b, c, (i + 1, j)), (c, d, (i, j + 1)), (d, a, (i - 1, j))):
+            if not solid[beyond]:
+                squares.append([(*q, 1), (*p, 1), (*p, 0), (*q, 0)])
+    corners, at = np.unique(np.array(squares).reshape(-1, 3), axis=0, return_inverse=True)
+    return corners * (1, 1, thickness), at.reshape(-1, 4)[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+
+
 def sphere(n):
     """Returns points of a sphere, by a spiral, and the triangles between the rings of another."""
     z, turn = 1 - (2 * np.arange(n) + 1) / n, 2.399963229728653 * np.arange(n)
@@ -193,6 +208,46 @@ class Surface(unittest.TestCase):
         x = flat.vertices[flat.triangles]
         np.testing.assert_allclose(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2].sum() / 2, 1, rtol=1e-12)
         np.testing.assert_array_equal(flat.vertices, vt.remesh(*SQUARE, 60, rng_seed=0, threads=1).vertices)
+
+    def test_remesh_is_like_the_surface(self):
+        # Bars thinner than the triangles are long: cells go around them, and mix their sides.
+        for cells in (3, 5, 7):
+            for thickness in (0.01, 0.3, 1.0):
+                surface = grating(cells, thickness)
+                for n in (40, 200):
+                    mesh = vt.remesh(*surface, n, steps=8)
+                    edges = directed_edges(mesh.triangles)
+                    case = cells, thickness, n
+                    self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}), case)
+                    used = len(np.unique(mesh.triangles))
+                    self.assertEqual(used - len(edges) // 2 + len(mesh.triangles), 2 - 2 * (cells // 2) ** 2, case)
+                    self.assertEqual((used, mesh.border_edges, mesh.crowded_edges), (len(mesh.vertices), 0, 0), case)
+                    # Each vertex is on the surface.
+                    a, b, c = np.moveaxis(surface[0][surface[1]], 1, 0)
+                    normals = np.cross(b - a, c - a)
+                    off = np.abs(((mesh.vertices[:, None] - a) * normals).sum(axis=2) / np.linalg.norm(normals, axis=1))
+                    self.assertLess(off.min(axis=1).max(), 1e-12, case)
+
+    def test_remesh_flips_flat_triangles(self):
+        lens, better = globe(8, 12), 0
+        for seed in range(10):
+            mesh = vt.remesh(np.asarray(lens[0]) * (1, 0.1, 0.5), lens[1], 70, steps=8, rng_seed=seed)
+            edges = directed_edges(mesh.triangles)
+            self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
+            self.assertEqual((len(mesh.triangles), len(mesh.faults)), (2 * len(mesh.vertices) - 4, 0))
+            dual = mesh.vertices[mesh.cells.piece_dual]
+            a, b = np.roll(dual, -1, axis=1) - dual, np.roll(dual, 1, axis=1) - dual
+            before = np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=2), (a * b).sum(axis=2))).min()
+            self.assertGreaterEqual(mesh.min_angle, before - 1e-9)
+            better += mesh.min_angle > before + 1
+        self.assertGreater(better, 2)
+
+    def test_right_meshes_of_few_points_have_no_faults(self):
+        for n in (2, 3, 4):
+            mesh = vt.remesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], n)
+            a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+            self.assertAlmostEqual(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2, 0.5)
+            self.assertEqual((len(mesh.faults), mesh.border_edges), (0, len(mesh.vertices)))
 
     def test_one_cell_after_the_other(self):
         # Weights, even such as change no sign, clip triangles to one cell after the other; without them cells are made together.
