@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # floodlight measures distances in the units of the pitch: players' areas in coordinates of Opta are those of a square pitch.
 #
-# Surprise: Opta counts both sides of the pitch from 0 to 100, so a step in x is 1.05 m and one in y 0.68 m. floodlight knows length and
-#   width of such a pitch and its example of the Voronoi model uses it, but distances are plain differences. Of 22 players at
-#   random places, 15 % of the pitch goes to another player than the nearest, and one player's share is 4.9 % for 7.2 %.
-#   The shares sum to 100 %. In meters the same model is right. mplsoccer turns such coordinates into meters first.
+# Surprise: Opta counts both sides of the pitch from 0 to 100, so a step in x is 1.05 m and one in y 0.68 m. floodlight knows
+#   length and width of such a pitch and its example of the Voronoi model uses it, but distances are plain differences. Of 22
+#   players at random places, 15 % of the pitch goes to another player than the nearest; one player has 4.9 % for 7.2 %. The
+#   shares sum to 100 %. In meters the same model is right. mplsoccer turns such coordinates into meters first.
 # Versions: floodlight 1.2.0, mplsoccer 1.8.1, SciPy 1.17.1
 # Seen: 2026-11
 # Do: turn the positions into meters, with Pitch(xlim=(0, 105), ylim=(0, 68), unit="m", boundaries="fixed"), before the model.
@@ -52,9 +52,10 @@ polygons[first], polygons[~first] = OtherPitch("opta").voronoi(*opta.T, first)
 by_mplsoccer = np.array([shapely.Polygon(p).area / 100 for p in polygons])
 errors = [abs(s - right).max() for s in (by_opta, by_meters, by_mplsoccer)]
 worst = abs(by_opta / right - 1).argmax()
-print("largest error of a share, in points of percent: floodlight with Opta {:.2f}, with meters {:.2f}, mplsoccer {:.2f}".format(*errors))
-print(f"player {worst}: {by_opta[worst]:.2f} % for {right[worst]:.2f} %; {other:.1%} of the pitch is nearer in the units of Opta to "
-      f"another player; floodlight's sum {by_opta.sum():.1f} %")
+print("largest error of a share, in points of percent: floodlight with Opta {:.2f}, with meters {:.2f}, mplsoccer {:.2f}"
+      .format(*errors))
+print(f"player {worst}: {by_opta[worst]:.2f} % for {right[worst]:.2f} %; for {other:.1%} of the pitch another player is nearer in "
+      f"the units of Opta; floodlight's sum {by_opta.sum():.1f} %")
 same = 2.2 < errors[0] < 2.5 and errors[1] < 0.01 and errors[2] < 0.5 and 0.14 < other < 0.17 and \
     abs(by_opta.sum() - 100) < 1e-6
 print("as stated" if same else "CHANGED")

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # fluidfoam returns means of corners as the centers of cells, and calls them centroids: polyhedra of OpenFOAM are misplaced.
 #
-# Surprise: in a mesh of 60 Voronoi cells of a unit cube, the centers of readmesh() lie 0.18 of a cell's size off the centroid
-#   on average, up to 0.58, where OpenFOAM keeps its values. The centroids of getVolumes() are the same means; its volumes are
+# Surprise: in a mesh of 60 Voronoi cells of a unit cube, the centers of readmesh() lie 0.18 of a cell's size off the centroid on
+#   average, up to 0.58, where OpenFOAM keeps its values. The centroids of getVolumes() are the same means; its volumes are
 #   right, so a check of their sum passes. Corners crowd where edges are short. In boxes and tetrahedra the mean is the centroid.
 #   PyVista has the centroids of polyhedra.
 # Versions: fluidfoam 0.3.1, PyVista 0.49.1, VTK 9.7.2, SciPy 1.17.1
@@ -86,8 +86,8 @@ centroids, sizes = fluidfoam.getVolumes("case", verbose=False)
 grid = pyvista.OpenFOAMReader("case/case.foam").read()["internalMesh"]
 polyhedra = grid.celltypes == 42
 off, off_pyvista = (np.linalg.norm(x - right, axis=1) / np.cbrt(volumes) for x in (centers, grid.cell_centers().points))
-print(f"off the centroid, in cube roots of the volume: fluidfoam {off.mean():.3f}, at most {off.max():.3f}; PyVista's {polyhedra.sum()} "
-      f"polyhedra at most {off_pyvista[polyhedra].max():.1e}")
+print(f"off the centroid, in cube roots of the volume: fluidfoam {off.mean():.3f}, at most {off.max():.3f}; "
+      f"PyVista's {polyhedra.sum()} polyhedra at most {off_pyvista[polyhedra].max():.1e}")
 print(f"getVolumes(): centroids as of readmesh() {np.allclose(centroids, centers)}, volumes right {np.allclose(sizes, volumes)}")
 same = 0.1 < off.mean() < 0.25 and 0.5 < off.max() < 0.7 and off_pyvista[polyhedra].max() < 1e-4 and \
     np.allclose(centroids, centers) and np.allclose(sizes, volumes)

@@ -2,14 +2,15 @@
 # MeshLab's alpha shapes have triangles that belong to no alpha complex, and lack some of the boundary.
 #
 # Surprise: 400 random points in a cube. PyMeshLab's filter returns each Delaunay triangle of circumradius up to alpha, also
-#   where another point lies in its circumsphere, which its own manual excludes: 193 of 1005 triangles at an alpha of 8 % of the diagonal,
-#   247 of 580 at 15 %. Of the boundary 6 and 10 triangles are missing. So the surface is not closed, and has flaps.
+#   where another point lies in its circumsphere, which its own manual excludes: 193 of 1005 triangles at an alpha of 8 % of the
+#   diagonal, 247 of 580 at 15 %. Of the boundary 6 and 10 triangles are missing. So the surface is not closed, and has flaps.
 #   The setting "Alpha Complex" returns the same flaps. GUDHI's alpha complex agrees with the definition, checked by brute force.
 # Versions: PyMeshLab 2025.7.post1, GUDHI 3.13.0, SciPy 1.17.1
 # Seen: 2026-11
 # Do: gudhi.AlphaComplex, or the border of the tetrahedra of scipy.spatial.Delaunay with circumradius below alpha.
-# Source: PyMeshLab manual, generate_alpha_shape: the complex has the simplices "which have an empty circumsphere with radius equal or
-#   smaller than 'alpha'", the shape is its boundary. GUDHI manual, "Alpha complex" (filtration values are squared radii).
+# Source: PyMeshLab manual, generate_alpha_shape: the complex has the simplices "which have an empty circumsphere with radius
+#   equal or smaller than 'alpha'", the shape is its boundary. GUDHI manual, "Alpha complex" (filtration values are squared
+#   radii).
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -73,8 +74,8 @@ for percent, stated in ((8, (1005, 193, 6)), (15, (580, 247, 10))):
     same = seen == stated and of_gudhi == whole and flaps == complex_ - whole and \
         all(sphere(f)[1] <= alpha and not is_empty(f) for f in flaps)
     changed |= not same
-    print(f"alpha {percent} %: MeshLab's shape has {seen[0]} triangles, {seen[1]} of them in no alpha complex, and lacks {seen[2]} of "
-          f"the {len(boundary)} of the boundary; its complex has {len(complex_ - whole)} such flaps; GUDHI's complex is as defined: "
-          f"{of_gudhi == whole}", "" if same else "CHANGED")
+    print(f"alpha {percent} %: MeshLab's shape has {seen[0]} triangles, {seen[1]} of them in no alpha complex, and lacks "
+          f"{seen[2]} of the {len(boundary)} of the boundary; its complex has {len(complex_ - whole)} such flaps; GUDHI's complex "
+          f"is as defined: {of_gudhi == whole}", "" if same else "CHANGED")
 sys.exit(changed)
 EOF

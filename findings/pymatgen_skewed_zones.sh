@@ -3,14 +3,15 @@
 #
 # Surprise: simple cubic, given by the edges (1, 0, 0), (s, 1, 0), (0, 0, 1), is one lattice for each whole s, and its zone has
 #   the volume 1. pymatgen returns 2 for s = 2 and 5 for s = 3, ASE the same. A copper cell after a shear of 1.6 has a zone of
-#   1.36 times the right size, and fcc by other edges one of 1.35. Both take the Voronoi cell among the 27 lattice points with indices -1, 0 and 1, of the edges as given;
-#   nearer ones have larger indices. Nothing warns. seekpath is right. Standard primitive cells were right in our trials.
+#   1.36 times the right size, and fcc by other edges one of 1.35. Both take the Voronoi cell among the 27 lattice points with
+#   indices -1, 0 and 1, of the edges as given; nearer ones have larger indices. Nothing warns. seekpath is right. Standard
+#   primitive cells were right in our trials.
 # Versions: pymatgen 2026.10.24, ASE 3.29.0, seekpath 2.2.2, SciPy 1.17.1
 # Seen: 2026-11
 # Do: reduce the cell first: lattice.get_lll_reduced_lattice(), or cell.minkowski_reduce()[0]. Compare the volume of the zone
 #   with (2 pi)^3 / volume.
-# Source: pymatgen manual, Lattice.get_wigner_seitz_cell ("the Wigner-Seitz cell for the given lattice") and
-#   get_brillouin_zone. ASE manual, "Brillouin zone sampling", which plots the zone of any cell by bz_vertices.
+# Source: pymatgen manual, Lattice.get_wigner_seitz_cell ("the Wigner-Seitz cell for the given lattice") and get_brillouin_zone.
+#   ASE manual, "Brillouin zone sampling", which plots the zone of any cell by bz_vertices.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

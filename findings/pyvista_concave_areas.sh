@@ -3,8 +3,8 @@
 #
 # Surprise: a U of area 10 has 19 in vtkCellSizeFilter and in PyVista's mesh.area, as polygon of a surface or of a grid. The
 #   filter adds the areas of a fan of triangles without their signs; a star of 20 points has 4.2 times its area. Voronoi cells
-#   that Shapely clipped at the border of that star sum to 125 % of it. Integrals by vtkIntegrateAttributes have the same
-#   fault. mesh.triangulate() cuts such polygons rightly, so drawings look as they should.
+#   that Shapely clipped at the border of that star sum to 125 % of it. Integrals by vtkIntegrateAttributes have the same fault.
+#   mesh.triangulate() cuts such polygons rightly, so drawings look as they should.
 # Versions: VTK 9.7.2, PyVista 0.49.1, Shapely 2.2.0
 # Seen: 2026-11
 # Do: mesh.triangulate() before areas and integrals, or take areas from Shapely.
