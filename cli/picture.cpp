@@ -11,6 +11,7 @@
 #include "files/formats/png.hpp"
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
+#include "words.hpp"
 
 namespace clvotess {
 namespace {
@@ -115,8 +116,7 @@ std::string draw_picture(const PictureArguments& picture, const Coloring& colori
     options.gap = gap;
     const votess::Picture drawn = votess::render(tessellation, input.points, options);
     if (drawn.left_out > 0 && !picture.quiet)
-        std::fprintf(stderr, "'%s' leaves out %s cells that reach infinity\n", picture.file.c_str(),
-                     std::to_string(drawn.left_out).c_str());
+        std::fprintf(stderr, "'%s' leaves out %s\n", picture.file.c_str(), open_cells(drawn.left_out).c_str());
     return to_png(drawn);
 }
 

@@ -95,4 +95,8 @@ std::string in_words_of_options(std::string_view message) {
     return text;
 }
 
+std::string open_cells(std::uint64_t count) {
+    return std::to_string(count) + (count == 1 ? " cell that reaches infinity" : " cells that reach infinity");
+}
+
 }  // namespace clvotess

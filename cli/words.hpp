@@ -1,6 +1,7 @@
 // Messages of the library in the words of the command line.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -10,5 +11,8 @@ namespace clvotess {
 // "Options::outside = drop" becomes "--outside drop". A function becomes the option that calls it: watershed() is
 // --watershed.
 [[nodiscard]] std::string in_words_of_options(std::string_view message);
+
+// Returns "1 cell that reaches infinity", or "2 cells that reach infinity".
+[[nodiscard]] std::string open_cells(std::uint64_t count);
 
 }  // namespace clvotess

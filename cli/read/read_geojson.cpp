@@ -19,7 +19,7 @@ public:
     explicit GeojsonReader(std::string name) : name_(std::move(name)) { surface_.planar = true; }
     void rename(std::string name) { name_ = std::move(name); }
 
-    void read(std::string_view text) { add(Json::read(text, name_)); }
+    void read(std::string_view text) { add(Json::read(text, name_), ""); }
 
     [[nodiscard]] Surface finish() {
         if (surface_.triangles.empty()) throw error("no polygon found");
@@ -27,49 +27,52 @@ public:
     }
 
 private:
-    void add(const Json& value, int depth = 0) {
+    // place: the place of the value in the text, as "feature 2, ", for messages.
+    void add(const Json& value, const std::string& place, int depth = 0) {
         if (depth > max_depth) throw error("collections lie in each other, more than " + std::to_string(max_depth));
         const std::optional<Json> type = value.find("type");
         const std::string_view kind = type ? type->text() : "";
         if (kind == "\"Feature\"") {
             const std::optional<Json> geometry = value.find("geometry");
-            if (geometry && geometry->text() != "null") add(*geometry, depth + 1);
+            if (geometry && geometry->text() != "null") add(*geometry, place, depth + 1);
         } else if (kind == "\"FeatureCollection\"") {
-            add_all(value, "features", depth);
+            add_all(value, "features", place + "feature ", depth);
         } else if (kind == "\"GeometryCollection\"") {
-            add_all(value, "geometries", depth);
+            add_all(value, "geometries", place + "geometry ", depth);
         } else if (kind == "\"Polygon\"") {
-            add_polygon(coordinates_of(value));
+            add_polygon(coordinates_of(value, place), place);
         } else if (kind == "\"MultiPolygon\"") {
-            for (const Json& polygon : coordinates_of(value).items()) add_polygon(polygon);
+            std::size_t k = 0;
+            for (const Json& polygon : coordinates_of(value, place).items())
+                add_polygon(polygon, place + "polygon " + std::to_string(k++) + ", ");
         } else {
-            throw error("a geometry has the type " + (kind.empty() ? std::string("none") : std::string(kind)) +
+            throw error(place + "a geometry has the type " + (kind.empty() ? std::string("none") : std::string(kind)) +
                         ": give polygons, or keep these alone");
         }
     }
 
     [[nodiscard]] Failure error(const std::string& message) const { return bad_input(name_ + ": " + message); }
 
-    void add_all(const Json& value, const char* member, int depth) {
+    void add_all(const Json& value, const char* member, const std::string& place, int depth) {
         const std::optional<Json> parts = value.find(member);
         if (!parts) throw error(std::string("a collection has no \"") + member + "\"");
-        for (const Json& part : parts->items()) add(part, depth + 1);
+        std::size_t k = 0;
+        for (const Json& part : parts->items()) add(part, place + std::to_string(k++) + ", ", depth + 1);
     }
-    [[nodiscard]] Json coordinates_of(const Json& geometry) const {
+    [[nodiscard]] Json coordinates_of(const Json& geometry, const std::string& place) const {
         const std::optional<Json> coordinates = geometry.find("coordinates");
-        if (!coordinates) throw error("a polygon has no \"coordinates\"");
+        if (!coordinates) throw error(place + "a polygon has no \"coordinates\"");
         return *coordinates;
     }
-    void add_polygon(const Json& polygon) {
-        bool is_hole = false;
+    void add_polygon(const Json& polygon, const std::string& place) {
+        std::size_t k = 0;
         for (const Json& ring : polygon.items()) {
-            add_ring(ring, is_hole);
-            is_hole = true;
+            add_ring(ring, k > 0, place + "ring " + std::to_string(k));
+            ++k;
         }
     }
 
-    void add_ring(const Json& ring, bool is_hole) {
-        const std::string where = "ring " + std::to_string(rings_++);
+    void add_ring(const Json& ring, bool is_hole, const std::string& where) {
         std::vector<std::array<double, 2>> places;
         for (const Json& place : ring.items()) {
             const std::vector<Json> numbers = place.items();
@@ -103,7 +106,6 @@ private:
 
     std::string name_;
     Surface surface_;
-    std::size_t rings_ = 0;
 };
 
 // Returns the text without the mark of UTF-8, which some editors write.

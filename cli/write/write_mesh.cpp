@@ -13,6 +13,7 @@
 
 #include "failure.hpp"
 #include "files/output_file.hpp"
+#include "words.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -106,8 +107,7 @@ void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const cha
     mesh.min_edge = data.min_edge;
     write_by(votess_write_mesh, mesh, file, format, data.reports_size && std::string_view(format) == ".glb");
     if (left_out > 0 && data.reports_size)
-        std::fprintf(stderr, "%s leaves out %s cells that reach infinity\n", file.description().c_str(),
-                     std::to_string(left_out).c_str());
+        std::fprintf(stderr, "%s leaves out %s\n", file.description().c_str(), open_cells(left_out).c_str());
     print_short_edges(file, data, short_edges);
 }
 

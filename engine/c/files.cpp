@@ -151,7 +151,7 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     if (out.closed) {
         const auto& rows = *out.closed;
         if (given.skip_open == 0)
-            refuse(std::to_string(rows.left_out) + " cells reach infinity: leave them out by mesh.skip_open");
+            refuse(rows.open_cells() + ": leave out such cells by mesh.skip_open");
         mesh.indptr = rows.indptr;
         mesh.indices = rows.indices;
         if (!mesh.shifts.empty()) mesh.shifts = rows.shifts;

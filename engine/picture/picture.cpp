@@ -306,8 +306,8 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
                                       tessellation.vertices(), box, planar ? std::size_t{2} : std::size_t{3}});
     if (closed) {
         if (!options.skip_open)
-            refuse("picture: " + std::to_string(closed->left_out) +
-                   " cells reach infinity: leave them out by PictureOptions::skip_open, or give a box");
+            refuse("picture: " + closed->open_cells() +
+                   ": leave out such cells by PictureOptions::skip_open, or give a box");
         if (closed->indices.empty()) refuse("picture: all cells reach infinity: give a box");
         mesh = {closed->indptr,       closed->indices,       closed->shifts,
                 closed->face_offsets, closed->face_vertices, tessellation.vertices()};

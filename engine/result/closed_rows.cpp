@@ -61,4 +61,8 @@ std::optional<ClosedRows> closed_rows(const RowsWithPolygons& rows) {
     return out;
 }
 
+std::string ClosedRows::open_cells() const {
+    return std::to_string(left_out) + (left_out == 1 ? " cell reaches infinity" : " cells reach infinity");
+}
+
 }  // namespace votess::detail

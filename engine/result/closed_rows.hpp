@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "votess/votess.hpp"
@@ -18,6 +19,9 @@ struct ClosedRows {
     std::vector<std::int8_t> shifts;
     Box bounds;  // of the vertices of the cells, `otherwise` on sides of a domain that have ends
     std::uint64_t left_out = 0;
+
+    // Returns "1 cell reaches infinity", or "2 cells reach infinity".
+    [[nodiscard]] std::string open_cells() const;
 };
 
 // The arrays of a result.

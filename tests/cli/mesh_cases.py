@@ -290,6 +290,9 @@ class GeojsonFiles(ReaderTest):
             np.testing.assert_array_equal(arrays["volumes"], whole)
         self.put("a.geojsons", f"\x1e{spread[0]}\n\x1e" + '{"type": "Point", "coordinates": [0, 0]}')
         self.refuse("--random", 9, "--mesh", "a.geojsons", says=f"a.geojsons:{spread[0].count(chr(10)) + 2}: a geometry has the type")
+        short = json.dumps({"type": "Polygon", "coordinates": [[[0, 0], [1, 1]]]})
+        self.put("a.geojsonl", "\n".join([lines[0], lines[1], short]))
+        self.refuse("--random", 9, "--mesh", "a.geojsonl", says="a.geojsonl:3: ring 0 has 2 places")
         self.put("a.geojsonl", "\n\n")
         self.refuse("--random", 9, "--mesh", "a.geojsonl", says="a.geojsonl: no polygon found")
 
@@ -310,7 +313,15 @@ class GeojsonFiles(ReaderTest):
         for text, message in (("[1", "a.geojson"), ("{}", "the type none"),
                               ('{"type": "Point", "coordinates": [0, 0]}', 'the type "Point": give polygons'),
                               ('{"type": "Polygon"}', 'no "coordinates"'), ('{"type": "FeatureCollection"}', 'no "features"'),
-                              ('{"type": "Polygon", "coordinates": [[[0, 0], [1, 1]]]}', "ring 0 has 2 places"),
+                              ('{"type": "Polygon", "coordinates": [[[0, 0], [1, 1]]]}', "a.geojson: ring 0 has 2 places"),
+                              # The place of a ring counts inside of its polygon, feature and text.
+                              (json.dumps({"type": "FeatureCollection", "features": [
+                                  {"type": "Feature", "geometry": self.CITY}, {"type": "Feature", "geometry": {
+                                      "type": "MultiPolygon", "coordinates": [self.CITY["coordinates"], [[[0, 0]]]]}}]}),
+                               "a.geojson: feature 1, polygon 1, ring 0 has 1 places"),
+                              (json.dumps({"type": "GeometryCollection", "geometries": [self.CITY, {
+                                  "type": "Polygon", "coordinates": [self.CITY["coordinates"][0], [[0, 0], ["x", 1]]]}]}),
+                               'geometry 1, ring 1: place 1 is ["x", 1], not two numbers'),
                               ('{"type": "Polygon", "coordinates": [[[0, 0], [1, "x"], [1, 1]]]}', "place 1 is"),
                               ('{"type": "GeometryCollection", "geometries": []}', "no polygon found")):
             self.put("a.geojson", text)

@@ -293,6 +293,9 @@ class TextOutput(CliTest):
             for name in ("a.vtu", "a.png"):
                 self.assertIn(f"'{name}' leaves out {left_out} cells that reach infinity", done.stderr)
             self.assertIn(f'NumberOfCells="{len(volumes) - left_out}"'.encode(), (self.folder / "a.vtu").read_bytes())
+        self.put("one.txt", "0 0 0\n")
+        done = self.run_cli("one.txt", "--box", "none", "--open", "skip", "-o", "a.vtu")
+        self.assertIn("'a.vtu' leaves out 1 cell that reaches infinity", done.stderr)
         self.run_cli("a.txt", "-q", "--box", "none", "-o", "a.csv")
         self.assertEqual((self.folder / "a.csv").read_text().split("\n")[0], "id,x,y,z,volume,neighbors")
 

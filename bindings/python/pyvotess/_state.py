@@ -370,7 +370,8 @@ class Cells:
             return None
         reach = self.open_cells
         if open is None and reach.any():
-            raise ValueError(f"{what}: {int(reach.sum())} cells reach infinity: leave them out by open='skip', or give a box")
+            some = "1 cell reaches" if reach.sum() == 1 else f"{int(reach.sum())} cells reach"
+            raise ValueError(f"{what}: {some} infinity: leave out such cells by open='skip', or give a box")
         return ~reach
 
     def _require_end(self, what: str) -> None:

@@ -59,7 +59,7 @@ class Network(WithHandle):
     _handle: Optional[Handle] = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Network: {len(self.points)} vertices, {counted(len(self.edges), 'edge')}>"
+        return f"<pyvotess.Network: {len(self.points)} {'vertex' if len(self.points) == 1 else 'vertices'}, {counted(len(self.edges), 'edge')}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Union
 
 from . import _c_api
+from ._arguments import shown
 from ._c_api import DuplicatesWord, PrecisionWord, WantName
 from ._call import Handle, OneCallAtATime, Progress, raise_on_failure
 from ._domain import DomainLike, with_short_forms
@@ -146,6 +147,7 @@ class Tessellator(OneCallAtATime):
         given = dict(locals())
         del given["self"]
         self._options = new_options(**given)
+        self._given = {name: value for name, value in given.items() if value not in (0, "")}
         self._lock = threading.Lock()
         self._handle = Handle.made("tessellator", lib.votess_tessellator_new)
 
@@ -179,6 +181,10 @@ class Tessellator(OneCallAtATime):
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
             return Tessellation(*tessellate_points(self._handle, options, given))
+
+    def __repr__(self) -> str:
+        options = ", ".join(f"{name} {shown(value)}" for name, value in self._given.items())
+        return f"<pyvotess.Tessellator{'' if self._handle.pointer else ', closed'}: {options}>"
 
     def close(self) -> None:
         """Frees device and buffers. Further calls do nothing.

@@ -169,6 +169,8 @@ class Whole(Folder):
             self.assertEqual(sum("nan" in line or "inf" in line for line in lines), 0)
         with self.assertRaisesRegex(ValueError, "open"):
             t.save(self.path("a.npz"), open="yes")
+        with self.assertRaisesRegex(ValueError, ": 1 cell reaches infinity: "):
+            vt.tessellate([(0, 0, 0)], box="none", want="faces,volumes,centroids").save(self.path("a.vtu"))
 
     @have("h5py")
     def test_full_disk_for_h5(self):

@@ -252,6 +252,12 @@ class Running(unittest.TestCase):
 
 
 class TessellatorTest(unittest.TestCase):
+    def test_repr(self):
+        tessellator = vt.Tessellator(device="cpu", follow=True)
+        self.assertEqual(repr(tessellator), "<pyvotess.Tessellator: device 'cpu', precision 'single', follow True>")
+        tessellator.close()
+        self.assertTrue(repr(tessellator).startswith("<pyvotess.Tessellator, closed: device 'cpu'"))
+
     def test_reuse(self):
         options = {"precision": "double", "grid_resolution": 9, "k_init": 30, "chunk_size": 100, "instructions": ""}
         with vt.Tessellator(device="cpu", threads=2, **options) as tessellator:
