@@ -14,10 +14,6 @@ votess_status votess_alpha_new(const votess_result* result, const double* points
     });
 }
 
-void votess_alpha_free(votess_alpha* alpha) {
-    delete alpha;
-}
-
 votess_status votess_alpha_array(const votess_alpha* alpha, int32_t k, const char* name, votess_array* array) {
     return expose(alpha, "alpha", name, array, [k](const votess_alpha& of) {
         if (k < 0 || k > 3) refuse("k is " + std::to_string(k) + ": give 0, 1, 2 or 3");

@@ -50,10 +50,6 @@ votess_status votess_tessellator_new(votess_tessellator** out) {
     return create(out, [&] { return votess_tessellator{}; });
 }
 
-void votess_tessellator_free(votess_tessellator* tessellator) {
-    delete tessellator;
-}
-
 votess_status votess_tessellate(votess_tessellator* tessellator, const double* points, size_t count,
                                 const votess_options* options, votess_result** out) {
     return tessellate(tessellator, points, count, options, out);
@@ -65,14 +61,9 @@ votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float
 }
 
 votess_status votess_delaunay_new(const votess_result* result, votess_delaunay** out) {
-    return create(out, [&] {
-        require(result, "result");
-        return votess_delaunay{votess::delaunay(result->tessellation), dimensions_of(result->tessellation)};
+    return create(out, result, "result", [&](auto& of) {
+        return votess_delaunay{votess::delaunay(of.tessellation), dimensions_of(of.tessellation)};
     });
-}
-
-void votess_delaunay_free(votess_delaunay* delaunay) {
-    delete delaunay;
 }
 
 votess_status votess_delaunay_array(const votess_delaunay* delaunay, const char* name, votess_array* array) {
@@ -133,10 +124,9 @@ votess_status votess_verify(const votess_result* result, const double* points, s
 
 votess_status votess_count_tiny_faces(const votess_result* result, const double* points, size_t count,
                                       uint64_t* tiny_faces) {
-    return guarded([&] {
-        require(result, "result");
+    return guarded(result, "result", [&](auto& of) {
         require(tiny_faces, "tiny_faces");
-        *tiny_faces = votess::count_tiny_faces(result->tessellation, coordinates(points, count));
+        *tiny_faces = votess::count_tiny_faces(of.tessellation, coordinates(points, count));
     });
 }
 
@@ -184,10 +174,6 @@ votess_status votess_hull_new(const double* points, size_t count, const votess_o
         const auto input = coordinates(points, count, "points", "count", dimensions_of(converted));
         return votess_hull{rows_of(votess::hull_walls(input, converted))};
     });
-}
-
-void votess_hull_free(votess_hull* hull) {
-    delete hull;
 }
 
 votess_status votess_hull_array(const votess_hull* hull, const char* name, votess_array* array) {

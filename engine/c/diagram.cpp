@@ -36,14 +36,9 @@ votess_status votess_diagram_new(const double* points, size_t count, const votes
 }
 
 votess_status votess_diagram_view(const votess_diagram* diagram, const votess_options* options, votess_diagram** out) {
-    return create(out, [&] {
-        require(diagram, "diagram");
-        return votess_diagram{diagram->diagram, convert_options(options, 0).progress};
+    return create(out, diagram, "diagram", [&](auto& of) {
+        return votess_diagram{of.diagram, convert_options(options, 0).progress};
     });
-}
-
-void votess_diagram_free(votess_diagram* diagram) {
-    delete diagram;
 }
 
 size_t votess_diagram_size(const votess_diagram* diagram) {
@@ -57,42 +52,38 @@ int votess_diagram_planar(const votess_diagram* diagram) {
 
 votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
                                     int32_t* seeds) {
-    return guarded([&] {
-        require(diagram, "diagram");
-        const auto input = queries_of(*diagram, queries, count);
+    return guarded(diagram, "diagram", [&](auto& of) {
+        const auto input = queries_of(of, queries, count);
         require_array(seeds, count, "seeds", "count");
-        std::ranges::copy(diagram->diagram.locate(input, diagram->progress), seeds);
+        std::ranges::copy(of.diagram.locate(input, of.progress), seeds);
     });
 }
 
 votess_status votess_diagram_probe(const votess_diagram* diagram, const double* queries, size_t count, uint32_t want,
                                    int32_t list_walls, const double* weights, votess_result** out) {
-    return create(out, [&] {
-        require(diagram, "diagram");
-        const auto input = queries_of(*diagram, queries, count);
+    return create(out, diagram, "diagram", [&](auto& of) {
+        const auto input = queries_of(of, queries, count);
         votess::ProbeOptions options;
         options.want = convert_want(want, "want");
         options.list_walls = list_walls != 0;
-        options.progress = diagram->progress;
+        options.progress = of.progress;
         if (weights != nullptr) options.weights = {weights, count};
-        return votess_result{diagram->diagram.probe(input, options)};
+        return votess_result{of.diagram.probe(input, options)};
     });
 }
 
 votess_status votess_diagram_to_grid(const votess_diagram* diagram, const double* values, size_t columns,
                                      const size_t shape[3], int32_t method, int32_t project, double* grid,
                                      size_t* without_place) {
-    return guarded([&] {
-        require(diagram, "diagram");
+    return guarded(diagram, "diagram", [&](auto& of) {
         require(shape, "shape");
         require(grid, "grid");
-        const std::size_t seeds = diagram->diagram.size();
+        const std::size_t seeds = of.diagram.size();
         if (seeds > 0) require(values, "values");
         votess::GridOptions options{{shape[0], shape[1], shape[2]}, static_cast<votess::GridMethod>(method), columns};
         if (project != -1) options.project = project;
-        options.progress = diagram->progress;
-        const std::size_t without =
-            diagram->diagram.to_grid({values, seeds * columns}, options, {grid, size_of(options)});
+        options.progress = of.progress;
+        const std::size_t without = of.diagram.to_grid({values, seeds * columns}, options, {grid, size_of(options)});
         if (without_place != nullptr) *without_place = without;
     });
 }

@@ -55,22 +55,17 @@ votess_status votess_fit_volumes(const double* points, size_t count, const doubl
     });
 }
 
-void votess_fit_free(votess_fit* fit) {
-    delete fit;
-}
-
 votess_status votess_fit_array(const votess_fit* fit, const char* name, votess_array* array) {
     return expose(fit, "fit", name, array,
                   [](const votess_fit& of) { return std::array{named("weights", of.fit.weights)}; });
 }
 
 votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stats) {
-    return guarded([&] {
-        require(fit, "fit");
+    return guarded(fit, "fit", [&](auto& of) {
         require(stats, "stats");
         require_struct_size(stats->struct_size, sizeof *stats, "stats.struct_size",
                             "set it to sizeof(votess_fit_stats)");
-        const votess::VolumeFit& from = fit->fit;
+        const votess::VolumeFit& from = of.fit;
         stats->steps = from.steps;
         stats->tessellations = from.tessellations;
         stats->residual = from.residual;
@@ -82,9 +77,8 @@ votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stat
 }
 
 votess_status votess_fit_result(const votess_fit* fit, votess_result** out) {
-    return create(out, [&] {
-        require(fit, "fit");
-        if (!fit->converged) refuse("fit did not converge: it has weights and no result");
-        return votess_result{fit->fit.tessellation};
+    return create(out, fit, "fit", [&](auto& of) {
+        if (!of.converged) refuse("fit did not converge: it has weights and no result");
+        return votess_result{of.fit.tessellation};
     });
 }

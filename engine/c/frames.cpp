@@ -28,10 +28,9 @@ std::span<const T> all(const votess::Buffer<T>& array) {
 template <class Real>
 votess_status run_frame(votess_frames* frames, const Real* points, const double* weights, std::size_t count,
                         votess_frame_cells** out) noexcept {
-    return create(out, [&] {
-        require(frames, "frames");
+    return create(out, frames, "frames", [&](auto& of) {
         const std::span<const double> given(weights, weights == nullptr ? 0 : count);
-        return votess_frame_cells{frames->frames.run(coordinates(points, count), given)};
+        return votess_frame_cells{of.frames.run(coordinates(points, count), given)};
     });
 }
 
@@ -88,19 +87,15 @@ votess_status votess_frames_run_f32(votess_frames* frames, const float* points, 
 }
 
 votess_status votess_frames_resolve(votess_frames* frames, votess_frame_cells** out) {
-    return create(out, [&] {
-        require(frames, "frames");
-        return votess_frame_cells{frames->frames.resolve()};
-    });
+    return create(out, frames, "frames", [&](auto& of) { return votess_frame_cells{of.frames.resolve()}; });
 }
 
 votess_status votess_frames_vjp(votess_frames* frames, const float* volumes, const double* centroids,
                                 const float* face_areas, double* by_points, double* by_weights) {
-    return guarded([&] {
-        require(frames, "frames");
+    return guarded(frames, "frames", [&](auto& of) {
         require(by_points, "by_points");
         require(by_weights, "by_weights");
-        frames->frames.vjp({volumes, centroids, face_areas}, by_points, by_weights);
+        of.frames.vjp({volumes, centroids, face_areas}, by_points, by_weights);
     });
 }
 
@@ -109,68 +104,39 @@ votess_status votess_frames_get_export(votess_frames* frames, votess_frames_expo
         require(out, "out");
         require(frames, "frames");
         require_struct_size(out->struct_size, sizeof *out, "out.struct_size", "set it to sizeof(votess_frames_export)");
-        const votess::detail::ExportedArrays found = frames->frames.exported();
-        out->memory_descriptor = found.memory_descriptor;
-        out->semaphore_descriptor = found.semaphore_descriptor;
-        out->memory_bytes = found.memory_bytes;
-        out->max_entries = found.max_entries;
-        out->points = found.points;
-        out->weights = found.weights;
-        out->status = found.status;
-        out->indptr = found.indptr;
-        out->indices = found.indices;
-        out->shifts = found.shifts;
-        out->face_areas = found.face_areas;
-        out->volumes = found.volumes;
-        out->centroids = found.centroids;
-        out->given_volumes = found.given_volumes;
-        out->given_centroids = found.given_centroids;
-        out->given_face_areas = found.given_face_areas;
-        out->by_points = found.by_points;
-        out->by_weights = found.by_weights;
+        write_struct<votess_frames_export>(frames->frames.exported(), *out);
     });
 }
 
 votess_status votess_frames_submit(votess_frames* frames, uint32_t count, uint64_t after, uint64_t done) {
-    return guarded([&] {
-        require(frames, "frames");
-        frames->frames.submit(count, after, done);
-    });
+    return guarded(frames, "frames", [&](auto& of) { of.frames.submit(count, after, done); });
 }
 
 votess_status votess_frames_submit_vjp(votess_frames* frames, uint32_t given, uint64_t after, uint64_t done) {
-    return guarded([&] {
-        require(frames, "frames");
+    return guarded(frames, "frames", [&](auto& of) {
         constexpr std::uint32_t known = VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_AREAS;
         if ((given & ~known) != 0)
             refuse("given = " + std::to_string(given) +
                    ": give VOTESS_WANT_VOLUMES, VOTESS_WANT_CENTROIDS and VOTESS_WANT_AREAS");
-        frames->frames.submit_vjp({.neighbors = false,
-                                   .volumes = (given & VOTESS_WANT_VOLUMES) != 0,
-                                   .centroids = (given & VOTESS_WANT_CENTROIDS) != 0,
-                                   .areas = (given & VOTESS_WANT_AREAS) != 0},
-                                  after, done);
+        of.frames.submit_vjp({.neighbors = false,
+                              .volumes = (given & VOTESS_WANT_VOLUMES) != 0,
+                              .centroids = (given & VOTESS_WANT_CENTROIDS) != 0,
+                              .areas = (given & VOTESS_WANT_AREAS) != 0},
+                             after, done);
     });
 }
 
 votess_status votess_frames_signal(votess_frames* frames, uint64_t value) {
-    return guarded([&] {
-        require(frames, "frames");
-        frames->frames.signal(value);
-    });
+    return guarded(frames, "frames", [&](auto& of) { of.frames.signal(value); });
 }
 
 votess_status votess_frames_wait(votess_frames* frames, uint64_t value) {
-    return guarded([&] {
-        require(frames, "frames");
-        frames->frames.wait(value);
-    });
+    return guarded(frames, "frames", [&](auto& of) { of.frames.wait(value); });
 }
 
 votess_status votess_frames_resolve_exported(votess_frames* frames, uint64_t* resolved) {
-    return guarded([&] {
-        require(frames, "frames");
-        const std::size_t cells = frames->frames.resolve_exported();
+    return guarded(frames, "frames", [&](auto& of) {
+        const std::size_t cells = of.frames.resolve_exported();
         if (resolved != nullptr) *resolved = cells;
     });
 }

@@ -5,15 +5,10 @@ using namespace votess::c;
 
 votess_status votess_groups_new(const votess_result* result, const std::int64_t* labels, size_t count,
                                 votess_groups** out) {
-    return create(out, [&] {
-        require(result, "result");
+    return create(out, result, "result", [&](auto& of) {
         require_array(labels, count, "labels", "count");
-        return votess_groups{votess::groups(result->tessellation, {labels, count})};
+        return votess_groups{votess::groups(of.tessellation, {labels, count})};
     });
-}
-
-void votess_groups_free(votess_groups* groups) {
-    delete groups;
 }
 
 votess_status votess_groups_array(const votess_groups* groups, const char* name, votess_array* array) {

@@ -252,6 +252,15 @@ votess_status guarded(Function&& function) noexcept {
     }
 }
 
+// The same with function(*handle). name: of the handle, for messages.
+template <typename Handle, typename Function>
+votess_status guarded(Handle* handle, const char* name, const Function& function) noexcept {
+    return guarded([&] {
+        require(handle, name);
+        function(*handle);
+    });
+}
+
 // Fills a struct of options, of the size that the caller compiled, with the defaults.
 template <typename Struct>
 votess_status init_struct(Struct* options, std::size_t size, const Struct& defaults, const char* remedy,
@@ -271,6 +280,15 @@ votess_status create(Handle** out, const Make& make) noexcept {
         require(out, "out");
         *out = nullptr;
         *out = new Handle(make());
+    });
+}
+
+// The same from another handle: make(*from).
+template <typename Handle, typename From, typename Make>
+votess_status create(Handle** out, From* from, const char* name, const Make& make) noexcept {
+    return create(out, [&] {
+        require(from, name);
+        return make(*from);
     });
 }
 

@@ -16,16 +16,11 @@ votess::Density votess::c::density_of(const double* values, const size_t shape[3
 
 votess_status votess_masses_new(const votess_result* result, const double* density, const size_t shape[3],
                                 uint32_t threads, votess_masses** out) {
-    return create(out, [&] {
-        require(result, "result");
+    return create(out, result, "result", [&](auto& of) {
         require(shape, "shape");
-        const votess::Tessellation& t = result->tessellation;
+        const votess::Tessellation& t = of.tessellation;
         return votess_masses{votess::masses(t, density_of(density, shape), threads), dimensions_of(t)};
     });
-}
-
-void votess_masses_free(votess_masses* masses) {
-    delete masses;
 }
 
 votess_status votess_masses_array(const votess_masses* masses, const char* name, votess_array* array) {

@@ -91,11 +91,10 @@ votess_status votess_mpi_array(const votess_mpi_result* result, const char* name
 }
 
 votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]) {
-    return guarded([&] {
-        require(result, "result");
+    return guarded(result, "result", [&](auto& of) {
         require(lower, "lower");
         require(upper, "upper");
-        const auto& box = result->result.options.box;
+        const auto& box = of.result.options.box;
         if (!box) refuse("the domain is a triclinic box, which has no lower and upper corner: read the options");
         std::ranges::copy(box->lower, lower);
         std::ranges::copy(box->upper, upper);
@@ -103,12 +102,11 @@ votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], d
 }
 
 votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* out) {
-    return guarded([&] {
-        require(result, "result");
+    return guarded(result, "result", [&](auto& of) {
         require(out, "counts");
         const std::uint32_t size = out->struct_size;
         require_struct_size(size, first_size, "counts.struct_size", "set it to sizeof(votess_mpi_counts)");
-        const votess::mpi::Counts& counts = result->result.counts;
+        const votess::mpi::Counts& counts = of.result.counts;
         const votess_mpi_counts c_counts{size,         counts.rounds,     counts.seeds,      counts.largest_block,
                                          counts.given, counts.needed,     counts.tested,     counts.questions,
                                          counts.bytes, counts.box_volume, counts.volume_sum, counts.exact_cells};

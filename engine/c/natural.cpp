@@ -27,17 +27,11 @@ votess::NaturalOptions natural_options(const votess_diagram& diagram, int32_t me
 
 votess_status votess_natural_new(const votess_diagram* diagram, const double* queries, size_t count, int32_t method,
                                  int32_t at_walls, int32_t gradients, const double* weights, votess_natural** out) {
-    return create(out, [&] {
-        require(diagram, "diagram");
-        const auto input = queries_of(*diagram, queries, count);
-        const votess::NaturalOptions options =
-            natural_options(*diagram, method, at_walls, gradients != 0, weights, count);
-        return votess_natural{diagram->diagram.natural_neighbors(input, options), dimensions_of(diagram->diagram)};
+    return create(out, diagram, "diagram", [&](auto& of) {
+        const auto input = queries_of(of, queries, count);
+        const votess::NaturalOptions options = natural_options(of, method, at_walls, gradients != 0, weights, count);
+        return votess_natural{of.diagram.natural_neighbors(input, options), dimensions_of(of.diagram)};
     });
-}
-
-void votess_natural_free(votess_natural* natural) {
-    delete natural;
 }
 
 votess_status votess_natural_array(const votess_natural* natural, const char* name, votess_array* array) {
@@ -51,18 +45,17 @@ votess_status votess_natural_array(const votess_natural* natural, const char* na
 votess_status votess_diagram_interpolate(const votess_diagram* diagram, const double* values, size_t components,
                                          const double* queries, size_t count, int32_t method, int32_t at_walls,
                                          const double* weights, double* interpolated, double* gradients) {
-    return guarded([&] {
-        require(diagram, "diagram");
-        const std::size_t seeds = diagram->diagram.size();
+    return guarded(diagram, "diagram", [&](auto& of) {
+        const std::size_t seeds = of.diagram.size();
         if (seeds > 0) require(values, "values");
-        const auto input = queries_of(*diagram, queries, count);
+        const auto input = queries_of(of, queries, count);
         require_array(interpolated, count, "interpolated", "count");
         const std::size_t rows = std::max<std::size_t>({seeds, 3 * count, 1});
         if (components == 0 || components > std::numeric_limits<std::size_t>::max() / sizeof(double) / rows)
             refuse("components is " + std::to_string(components) + ": give at least 1, and no more than memory holds");
-        const votess::Interpolated found = diagram->diagram.interpolate(
-            {values, seeds * components}, components, input,
-            natural_options(*diagram, method, at_walls, gradients != nullptr, weights, count));
+        const votess::Interpolated found =
+            of.diagram.interpolate({values, seeds * components}, components, input,
+                                   natural_options(of, method, at_walls, gradients != nullptr, weights, count));
         std::ranges::copy(found.values, interpolated);
         if (gradients != nullptr) std::ranges::copy(found.gradients, gradients);
     });

@@ -13,10 +13,6 @@ votess_status votess_network_new(const votess_result* result, const double* poin
     });
 }
 
-void votess_network_free(votess_network* network) {
-    delete network;
-}
-
 votess_status votess_network_array(const votess_network* network, const char* name, votess_array* array) {
     return expose(network, "network", name, array, [](const votess_network& of) {
         const votess::Network& n = of.network;
@@ -31,11 +27,10 @@ votess_status votess_network_array(const votess_network* network, const char* na
 }
 
 votess_status votess_network_largest_included(const votess_network* network, double* radius, int32_t* vertex) {
-    return guarded([&] {
-        require(network, "network");
+    return guarded(network, "network", [&](auto& of) {
         require(radius, "radius");
         require(vertex, "vertex");
-        const votess::IncludedSphere sphere = network->network.largest_included();
+        const votess::IncludedSphere sphere = of.network.largest_included();
         *radius = sphere.radius;
         *vertex = sphere.vertex;
     });
@@ -43,14 +38,13 @@ votess_status votess_network_largest_included(const votess_network* network, dou
 
 votess_status votess_network_largest_free(const votess_network* network, int32_t axis, double* radius, int32_t* edge,
                                           double* included_radius, int32_t* included_vertex) {
-    return guarded([&] {
-        require(network, "network");
+    return guarded(network, "network", [&](auto& of) {
         require(radius, "radius");
         require(edge, "edge");
         require(included_radius, "included_radius");
         require(included_vertex, "included_vertex");
         const std::optional<votess::FreeSphere> found =
-            network->network.largest_free(axis == -1 ? std::nullopt : std::optional<int>(axis));
+            of.network.largest_free(axis == -1 ? std::nullopt : std::optional<int>(axis));
         constexpr votess::FreeSphere none{0, -1, {0, -1}};
         const votess::FreeSphere sphere = found.value_or(none);
         *radius = sphere.radius;

@@ -5,18 +5,13 @@ using namespace votess::c;
 
 votess_status votess_pieces_new(const votess_result* result, double gap, uint32_t threads,
                                 votess_progress_callback progress, void* user, votess_pieces** out) {
-    return create(out, [&] {
-        require(result, "result");
+    return create(out, result, "result", [&](auto& of) {
         votess::PieceOptions options;
         options.gap = gap;
         options.threads = threads;
         if (progress != nullptr) options.progress = watching(progress, user);
-        return votess_pieces{votess::pieces(result->tessellation, options), dimensions_of(result->tessellation)};
+        return votess_pieces{votess::pieces(of.tessellation, options), dimensions_of(of.tessellation)};
     });
-}
-
-void votess_pieces_free(votess_pieces* pieces) {
-    delete pieces;
 }
 
 votess_status votess_pieces_array(const votess_pieces* pieces, const char* name, votess_array* array) {

@@ -5,18 +5,13 @@ using namespace votess::c;
 
 votess_status votess_rays_new(const votess_diagram* diagram, const double* origins, const double* directions,
                               const double* lengths, size_t count, int32_t middles, votess_rays** out) {
-    return create(out, [&] {
-        require(diagram, "diagram");
-        const auto from = queries_of(*diagram, origins, count, "origins"),
-                   along = queries_of(*diagram, directions, count, "directions");
+    return create(out, diagram, "diagram", [&](auto& of) {
+        const auto from = queries_of(of, origins, count, "origins"),
+                   along = queries_of(of, directions, count, "directions");
         require_array(lengths, count, "lengths", "count");
-        return votess_rays{diagram->diagram.trace(from, along, {lengths, count}, {middles != 0, diagram->progress}),
-                           dimensions_of(diagram->diagram)};
+        return votess_rays{of.diagram.trace(from, along, {lengths, count}, {middles != 0, of.progress}),
+                           dimensions_of(of.diagram)};
     });
-}
-
-void votess_rays_free(votess_rays* rays) {
-    delete rays;
 }
 
 votess_status votess_rays_array(const votess_rays* rays, const char* name, votess_array* array) {

@@ -33,10 +33,6 @@ size_t votess_sizeof_stats(void) {
     return sizeof(votess_stats);
 }
 
-void votess_result_free(votess_result* result) {
-    delete result;
-}
-
 size_t votess_result_size(const votess_result* result) {
     return value_of<std::size_t>(result, "result is NULL",
                                  [](const votess_result& of) { return of.tessellation.size(); });
@@ -75,32 +71,29 @@ double votess_result_least_face(const votess_result* result) {
 }
 
 votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]) {
-    return guarded([&] {
-        require(result, "result");
+    return guarded(result, "result", [&](auto& of) {
         require(lower, "lower");
         require(upper, "upper");
-        const votess::Box& box = result->tessellation.box();
+        const votess::Box& box = of.tessellation.box();
         std::copy(box.lower.begin(), box.lower.end(), lower);
         std::copy(box.upper.begin(), box.upper.end(), upper);
     });
 }
 
 votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]) {
-    return guarded([&] {
-        require(result, "result");
+    return guarded(result, "result", [&](auto& of) {
         require(periodic, "periodic");
-        for (std::size_t k = 0; k < 3; ++k) periodic[k] = result->tessellation.periodic()[k] ? 1 : 0;
+        for (std::size_t k = 0; k < 3; ++k) periodic[k] = of.tessellation.periodic()[k] ? 1 : 0;
     });
 }
 
 votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3], double a[3],
                                  double b[3], double c[3]) {
-    return guarded([&] {
-        require(result, "result");
+    return guarded(result, "result", [&](auto& of) {
         require(has_cell, "has_cell");
         const std::pair<double*, const char*> vectors[] = {{origin, "origin"}, {a, "a"}, {b, "b"}, {c, "c"}};
         for (const auto& [vector, name] : vectors) require(vector, name);
-        const auto& cell = result->tessellation.cell();
+        const auto& cell = of.tessellation.cell();
         *has_cell = cell ? 1 : 0;
         if (!cell) return;
         std::ranges::copy(cell->origin, origin);
@@ -150,10 +143,9 @@ void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {
 }
 
 votess_status votess_result_stats(const votess_result* result, votess_stats* out) {
-    return guarded([&] {
-        require(result, "result");
+    return guarded(result, "result", [&](auto& of) {
         require(out, "stats");
         check_stats(*out);
-        write_stats(result->tessellation.stats(), *out);
+        write_stats(of.tessellation.stats(), *out);
     });
 }

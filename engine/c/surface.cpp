@@ -105,13 +105,12 @@ votess_status votess_surface_remesh(size_t count, const double* vertices, size_t
 }
 
 votess_status votess_surface_figures(const votess_surface* surface, votess_remesh_figures* figures) {
-    return guarded([&] {
-        require(surface, "surface");
+    return guarded(surface, "surface", [&](auto& of) {
         require(figures, "figures");
         require_struct_size(figures->struct_size, sizeof(votess_remesh_figures), "remesh_figures.struct_size",
                             "set it to sizeof(votess_remesh_figures)");
-        if (!surface->is_mesh) refuse("surface is not a mesh: make it by votess_surface_remesh()");
-        const votess::Remesh& mesh = surface->mesh;
+        if (!of.is_mesh) refuse("surface is not a mesh: make it by votess_surface_remesh()");
+        const votess::Remesh& mesh = of.mesh;
         write_struct({0, 0, mesh.min_angle, mesh.mean_min_angle, mesh.distance, mesh.border_edges, mesh.crowded_edges},
                      *figures);
     });

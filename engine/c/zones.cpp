@@ -5,22 +5,14 @@ using namespace votess::c;
 
 votess_status votess_zones_new(const votess_result* result, const double* values, size_t count, int32_t maxima,
                                votess_zones** out) {
-    return create(out, [&] {
-        require(result, "result");
+    return create(out, result, "result", [&](auto& of) {
         require_array(values, count, "values", "count");
-        return votess_zones{votess::watershed(result->tessellation, {values, count}, maxima != 0)};
+        return votess_zones{votess::watershed(of.tessellation, {values, count}, maxima != 0)};
     });
 }
 
 votess_status votess_zones_merge(const votess_zones* zones, double threshold, votess_zones** out) {
-    return create(out, [&] {
-        require(zones, "zones");
-        return votess_zones{zones->zones.merge(threshold)};
-    });
-}
-
-void votess_zones_free(votess_zones* zones) {
-    delete zones;
+    return create(out, zones, "zones", [&](auto& of) { return votess_zones{of.zones.merge(threshold)}; });
 }
 
 votess_status votess_zones_array(const votess_zones* zones, const char* name, votess_array* array) {

@@ -1,7 +1,5 @@
 #include "gpu/chunk.hpp"
 
-#include <optional>
-
 namespace votess::gpu {
 
 using vulkan::MemoryKind;
@@ -19,23 +17,19 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     results.take_rows_of(cells_);
     cells_.set_job(seeds.on_device(), passes.settings, job, piece.first, piece.count);
 
-    commands_.begin();
-    std::optional<Commands::Label> label(std::in_place, commands_, "knn");
-    stamps_[0] = commands_.timestamp();
-    cells_.record_knn(commands_, passes);
-    stamps_[1] = commands_.timestamp();
-    label.emplace(commands_, "clip");
-    cells_.record_clip(commands_, passes, piece.second_tier, piece.ties);
-    stamps_[2] = commands_.timestamp();
-    label.emplace(commands_, "download");
-    results.record_chunk(commands_, passes, cells_, job, piece.first, piece.count);
-    commands_.copy(cells_.words_of(WORDS_INFO), 0, info_host_, 0, VkDeviceSize{4} * piece.count);
-    commands_.copy(cells_.state(), 0, state_host_, 0, sizeof(ChunkState));
-    stamps_[3] = commands_.timestamp();
-    commands_.barrier_to_host();
-    label.reset();
-    commands_.end();
-    commands_.submit();
+    commands_.submit([&] {
+        stamps_[0] = commands_.timestamp();
+        cells_.record_knn(commands_, passes);
+        stamps_[1] = commands_.timestamp();
+        cells_.record_clip(commands_, passes, piece.second_tier, piece.ties);
+        stamps_[2] = commands_.timestamp();
+        const auto label = commands_.label("download");
+        results.record_chunk(commands_, passes, cells_, job, piece.first, piece.count);
+        commands_.copy(cells_.words_of(WORDS_INFO), 0, info_host_, 0, VkDeviceSize{4} * piece.count);
+        commands_.copy(cells_.state(), 0, state_host_, 0, sizeof(ChunkState));
+        stamps_[3] = commands_.timestamp();
+        commands_.barrier_to_host();
+    });
 }
 
 void Chunk::wait() {

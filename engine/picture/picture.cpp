@@ -17,6 +17,7 @@
 #include "picture/shown.hpp"
 #include "picture/slice.hpp"
 #include "picture/solid.hpp"
+#include "plane/sheet.hpp"
 #include "result/closed_rows.hpp"
 
 namespace votess {
@@ -114,13 +115,6 @@ std::vector<Vec3> domain_periods(const Tessellation& t) {
     return periods;
 }
 
-// Returns vectors of the plane with z = 0.
-std::vector<double> in_space(std::span<const double> vectors) {
-    std::vector<double> lifted(vectors.size() / 2 * 3);
-    for (std::size_t k = 0; k < vectors.size(); ++k) lifted[k / 2 * 3 + k % 2] = vectors[k];
-    return lifted;
-}
-
 bool is_planar(const Pieces& pieces) {
     return pieces.centroids.size() == 2 * pieces.size();
 }
@@ -139,7 +133,7 @@ struct PieceMesh {
         }
         mesh = {pieces.triangle_offsets, ids, {}, offsets, vertices, pieces.vertices};
         if (planar) {
-            mesh.vertices = places = in_space(pieces.vertices);
+            mesh.vertices = places = in_sheet({pieces.vertices, {}});
             mesh.rings = true;
         } else {
             lines.assign(vertices.size(), 0);
@@ -318,8 +312,8 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
     std::vector<double> vertices;
     PictureOptions look = options;
     if (planar) {
-        points = picture::in_space(points);
-        mesh.vertices = vertices = picture::in_space(mesh.vertices);
+        points = in_sheet({points, {}});
+        mesh.vertices = vertices = in_sheet({mesh.vertices, {}});
         look.slice = Slice{};  // which meets all cells
         box.lower[2] = box.upper[2] = 0;
     }
@@ -339,7 +333,7 @@ Picture render(const Pieces& pieces, const PictureOptions& options) {
         refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
     if (!picture::is_planar(pieces)) return picture::render_pieces(pieces, pieces.centroids, values, options);
     if (options.seeds) refuse("picture: pieces have no seeds: draw the tessellation, or leave them out");
-    return picture::render_pieces(pieces, picture::in_space(pieces.centroids), values, options);
+    return picture::render_pieces(pieces, in_sheet({pieces.centroids, {}}), values, options);
 }
 
 }  // namespace votess

@@ -19,10 +19,15 @@ using Color = std::uint32_t;
     return r | g << 8 | b << 16 | a << 24;
 }
 
+using Floats = std::array<float, 3>;
+[[nodiscard]] inline Floats floats(const Vec3& p) {
+    return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+}
+
 // A corner of a triangle. Triangles form polygons as fans around their middles, and `edge` falls from 1 in the middle
 // to 0 at an edge that is drawn as a line.
 struct FillVertex {
-    float position[3];
+    Floats position;
     std::int8_t normal[4];  // times 127; 0: not lit
     Color color;
     float edge;
@@ -31,10 +36,13 @@ struct FillVertex {
 // A straight line with round ends, in pixels of the picture (x to the right, y down) and in depth (View::project: 0
 // near, 1 far).
 struct Stroke {
-    float from[3], to[3];
+    Floats from, to;
     float half_width;
     Color color;
 };
+[[nodiscard]] inline Stroke stroke(const Vec3& from, const Vec3& to, double width, Color color) {
+    return {floats(from), floats(to), static_cast<float>(0.5 * width), color};
+}
 
 // A perspective camera, or with `focal` 0 none: positions are pixels then, y down, and z the depth.
 struct View {

@@ -55,8 +55,7 @@ public:
         vertex.edge = 1;
         for (const auto& triangle : cutter_.cut(rings_)) {
             for (const std::int32_t v : triangle) {
-                const Vec3 at = plane_(job_.mesh.vertex(v));
-                for (std::size_t k = 0; k < 3; ++k) vertex.position[k] = static_cast<float>(at[k]);
+                vertex.position = floats(plane_(job_.mesh.vertex(v)));
                 out.push_back(vertex);
             }
         }
@@ -90,8 +89,7 @@ private:
         const double width = line_width(2 * std::abs(area) / around, line_);
         if (width == 0) return;
         over_edges([&](const auto& a, const auto& b) {
-            const auto at = [](double x) { return static_cast<float>(x); };
-            edges.push_back({{at(a.x), at(a.y), 0}, {at(b.x), at(b.y), 0}, at(0.5 * width), line_color});
+            edges.push_back(stroke({a.x, a.y, 0}, {b.x, b.y, 0}, width, line_color));
         });
     }
 
@@ -164,8 +162,8 @@ void add_seeds(const SliceJob& job, const Plane& plane, const Slice& slice, std:
         const Area& area = plane.area;
         if (job.mesh.rings && (at[0] < area.left || at[0] > area.right || at[1] < area.top || at[1] > area.bottom))
             continue;
-        const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]);
-        out.push_back({{x, y, 0}, {x, y, 0}, static_cast<float>(size), rgb(15, 15, 20, opacity)});
+        const Vec3 on_top{at[0], at[1], 0};
+        out.push_back(stroke(on_top, on_top, 2 * size, rgb(15, 15, 20, opacity)));
     }
 }
 

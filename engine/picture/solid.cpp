@@ -133,16 +133,12 @@ private:
     }
 
     void add_lines(std::size_t face, std::vector<Stroke>& lines) const {
-        constexpr double towards = 1e-3;  // in front of the surface beside it, which may come nearer there
+        constexpr Vec3 towards{0, 0, 1e-3};  // in front of the surface beside it, which may come nearer there
         for (std::size_t i = 0; i < rest_.corners.size(); ++i) {
             if (!job_.mesh.is_line(face, i)) continue;
             const Vec3 a = view_.project(rest_.corners[i]);
             const Vec3 b = view_.project(rest_.corners[i + 1 == rest_.corners.size() ? 0 : i + 1]);
-            const auto at = [](double x) { return static_cast<float>(x); };
-            lines.push_back({{at(a[0]), at(a[1]), at(a[2] - towards)},
-                             {at(b[0]), at(b[1]), at(b[2] - towards)},
-                             at(0.5 * width_),
-                             line_color});
+            lines.push_back(stroke(a - towards, b - towards, width_, line_color));
         }
     }
 
@@ -220,7 +216,7 @@ Stretch inside(const CutSpace& space, const Vec3& a, const Vec3& b) {
 // Draws the edges of the domain, except in front of the opening.
 void add_frame(const View& view, const Frame& frame, std::span<const Vec3> corners, const CutSpace& opening,
                double width, std::vector<Stroke>& strokes) {
-    constexpr double towards = 2e-4;  // in front of the faces that it lies on
+    constexpr Vec3 towards{0, 0, 2e-4};  // in front of the faces that it lies on
     for (std::size_t corner = 0; corner < corners.size(); ++corner) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (corner >> axis & 1) continue;
@@ -231,11 +227,7 @@ void add_frame(const View& view, const Frame& frame, std::span<const Vec3> corne
                 if (part.begin >= part.end) continue;
                 const Vec3 a = view.project(frame(from + part.begin * (to - from)));
                 const Vec3 b = view.project(frame(from + part.end * (to - from)));
-                const auto at = [](double x) { return static_cast<float>(x); };
-                strokes.push_back({{at(a[0]), at(a[1]), at(a[2] - towards)},
-                                   {at(b[0]), at(b[1]), at(b[2] - towards)},
-                                   static_cast<float>(0.5 * width),
-                                   rgb(60, 60, 70, 140)});
+                strokes.push_back(stroke(a - towards, b - towards, width, rgb(60, 60, 70, 140)));
             }
         }
     }
@@ -260,7 +252,7 @@ void add_fan(const Polygon& polygon, const Vec3& normal, Color color, std::vecto
     for (std::size_t k = 0; k < 3; ++k) vertex.normal[k] = static_cast<std::int8_t>(std::lround(127 * normal[k]));
     vertex.color = color;
     const auto add = [&](const Vec3& p, float edge) {
-        for (std::size_t k = 0; k < 3; ++k) vertex.position[k] = static_cast<float>(p[k]);
+        vertex.position = floats(p);
         vertex.edge = edge;
         out.push_back(vertex);
     };
@@ -278,7 +270,7 @@ double line_width(double size, double line) {
 
 void remove_repeats(std::vector<Stroke>& lines) {
     const auto ends = [](const Stroke& s) {
-        const auto near = [](const float* p) { return std::array{std::lround(16 * p[0]), std::lround(16 * p[1])}; };
+        const auto near = [](const Floats& p) { return std::array{std::lround(16 * p[0]), std::lround(16 * p[1])}; };
         return std::minmax({near(s.from), near(s.to)});
     };
     std::ranges::stable_sort(lines, {}, ends);
@@ -293,8 +285,7 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     const Box& bounds = job.shown.bounds;
     if (job.shown.walls_hidden) {
         for (std::size_t i = 0; i < job.shown.cells.size(); ++i) {
-            const double* p = &job.points[3 * i];
-            if (job.shown.cells[i]) outline.push_back(frame({p[0], p[1], p[2]}));
+            if (job.shown.cells[i]) outline.push_back(frame(point_of(job.points, i)));
         }
     } else if (job.own_outline) {
         for (std::size_t v = 0; v < job.mesh.vertices.size() / 3; ++v) {

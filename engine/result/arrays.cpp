@@ -5,6 +5,20 @@
 namespace votess::detail {
 namespace {
 
+// Keeps those of `count` things for which stays(i), in the arrays that have values for each.
+template <class Stays>
+void keep_some(Result& r, Per per, std::size_t count, const Stays& stays) {
+    for_arrays([&](const auto& array) {
+        auto& values = array.of(r);
+        if (array.per != per || values.empty()) return;
+        std::size_t to = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t k = 0; k < array.components && stays(i); ++k)
+                values[to++] = values[array.components * i + k];
+        values.resize_uninitialized(to);
+    });
+}
+
 void keep_polygons(Result& r, const std::vector<bool>& stays) {
     if (r.face_offsets.empty()) return;
     std::int64_t to = 0;
@@ -36,15 +50,7 @@ void drop_third_components(Result& result) {
 
 void keep_vertices(Result& r, std::span<const std::int32_t> number) {
     for (std::int32_t& original : r.vertex_image_of) original = number[static_cast<std::size_t>(original)];
-    for_arrays([&](const auto& array) {
-        auto& values = array.of(r);
-        if (array.per != Per::vertex || values.empty()) return;
-        std::size_t to = 0;
-        for (std::size_t v = 0; v < number.size(); ++v)
-            for (std::size_t k = 0; k < array.components && number[v] >= 0; ++k)
-                values[to++] = values[array.components * v + k];
-        values.resize_uninitialized(to);
-    });
+    keep_some(r, Per::vertex, number.size(), [&](std::size_t v) { return number[v] >= 0; });
 }
 
 void keep_entries(Result& r, const std::vector<bool>& stays) {
@@ -55,15 +61,7 @@ void keep_entries(Result& r, const std::vector<bool>& stays) {
         r.indptr[i + 1] = kept;
     }
     keep_polygons(r, stays);
-    for_arrays([&](const auto& array) {
-        auto& values = array.of(r);
-        if (array.per != Per::entry || values.empty()) return;
-        std::size_t to = 0;
-        for (std::size_t from = 0; from < stays.size(); ++from)
-            if (stays[from])
-                for (std::size_t k = 0; k < array.components; ++k) values[to++] = values[array.components * from + k];
-        values.resize_uninitialized(to);
-    });
+    keep_some(r, Per::entry, stays.size(), [&](std::size_t entry) { return stays[entry]; });
 }
 
 void keep_wanted(Result& r, const Want& want, bool list_walls) {

@@ -1,6 +1,8 @@
 // The cells of a frame in the host's memory, in the order of the points.
 #pragma once
 
+#include <votess/frames.h>
+
 #include <cstddef>
 #include <cstdint>
 
@@ -29,15 +31,16 @@ struct FrameVectors {
     const float* face_areas = nullptr;
 };
 
-// Arrays of frames in memory that another API maps, see votess_frames_export.
-struct ExportedArrays {
+// Where the arrays of frames are in memory that another API maps.
+struct ExportedArrays : votess_frames_export {
     static constexpr std::uint64_t none = ~std::uint64_t{0};  // an array that was not requested
-    int memory_descriptor = -1, semaphore_descriptor = -1;    // the semaphore's is -1 where the device exports none
-    std::uint64_t memory_bytes = 0, max_entries = 0;
-    // Bytes from the start of the memory.
-    std::uint64_t points = none, weights = none, status = none, indptr = none, indices = none, shifts = none,
-                  face_areas = none, volumes = none, centroids = none, given_volumes = none, given_centroids = none,
-                  given_face_areas = none, by_points = none, by_weights = none;
+    ExportedArrays() : votess_frames_export{} {
+        memory_descriptor = semaphore_descriptor = -1;
+        for (std::uint64_t* const array :
+             {&points, &weights, &status, &indptr, &indices, &face_areas, &volumes, &shifts, &centroids, &given_volumes,
+              &given_centroids, &given_face_areas, &by_points, &by_weights})
+            *array = none;
+    }
 };
 
 }  // namespace votess::detail

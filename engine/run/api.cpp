@@ -2,6 +2,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/one_call.hpp"
 #include "input/domain_of_result.hpp"
 #include "input/settle.hpp"
 #include "input/settled.hpp"
@@ -87,23 +88,6 @@ Tessellator& Tessellator::operator=(Tessellator&&) noexcept = default;
 
 namespace {
 
-// Allows one call at a time. It is a flag, not a mutex, because the second call may come from a callback of the first.
-class CallGuard {
-public:
-    explicit CallGuard(detail::TessellatorState& state) : at_work_(state.at_work) {
-        if (at_work_.test_and_set(std::memory_order_acquire))
-            throw Error(ErrorCode::invalid_use,
-                        "this Tessellator is in use by another call, or was when fork() made this process: use one "
-                        "for each thread, and none of them in its own callbacks");
-    }
-    ~CallGuard() { at_work_.clear(std::memory_order_release); }
-    CallGuard(const CallGuard&) = delete;
-    CallGuard& operator=(const CallGuard&) = delete;
-
-private:
-    std::atomic_flag& at_work_;
-};
-
 // In space. arrays: memory of an earlier result to use again.
 detail::Result run_in_space(Engines& engines, Settled whole, detail::Result arrays) {
     const auto run = [&](Settled part) { return run_on(engines, std::move(part), std::exchange(arrays, {})); };
@@ -129,7 +113,9 @@ detail::Result run_anywhere(Engines& engines, Settled whole, detail::Result arra
 Tessellation run(std::shared_ptr<detail::TessellatorState> shared, std::size_t seeds, const auto& settled) {
     if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
     detail::TessellatorState& state = *shared;
-    const CallGuard turn(state);
+    const OneCall turn(state.at_work,
+                       "this Tessellator is in use by another call, or was when fork() made this process: use one "
+                       "for each thread, and none of them in its own callbacks");
     const auto out_of_memory = [seeds] {
         return Error(ErrorCode::out_of_memory, "out of memory while tessellating " + std::to_string(seeds) + " seeds");
     };

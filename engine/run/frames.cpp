@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/errors.hpp"
+#include "core/one_call.hpp"
 #include "core/system.hpp"
 #include "core/text.hpp"
 #include "gpu/device_choice.hpp"
@@ -113,22 +114,10 @@ struct Frames::State {
             "these frames opened a device before fork(), and the child process cannot use it: make frames there, "
             "or start the process afresh instead of by fork()");
     }
-    // Allows one call at a time.
-    class Call {
-    public:
-        explicit Call(State& state) : state_(state) {
-            state.check_process();
-            if (state.at_work.test_and_set(std::memory_order_acquire))
-                throw Error(ErrorCode::invalid_use,
-                            "these frames are in use by another call: make frames for each thread");
-        }
-        ~Call() { state_.at_work.clear(std::memory_order_release); }
-        Call(const Call&) = delete;
-        Call& operator=(const Call&) = delete;
-
-    private:
-        State& state_;
-    };
+    [[nodiscard]] OneCall call() {
+        check_process();
+        return {at_work, "these frames are in use by another call: make frames for each thread"};
+    }
 };
 
 Frames::Frames(const FramesSettings& settings, const Options& options, const Frames* share)
@@ -161,7 +150,7 @@ std::string Frames::device() const {
 
 template <class Real>
 detail::FrameRows Frames::run_any(std::span<const Real> points, std::span<const double> weights) {
-    const State::Call call(*state_);
+    const OneCall call = state_->call();
     if (!state_->frames) refuse("these frames have exported memory: submit frames to them");
     const votess::vulkan::PlanOptions& plan = state_->frames->plan().options();
     const std::size_t count = points.size() / 3;
@@ -184,7 +173,7 @@ detail::FrameRows Frames::run(std::span<const float> points, std::span<const dou
 }
 
 detail::FrameRows Frames::resolve() {
-    const State::Call call(*state_);
+    const OneCall call = state_->call();
     if (!state_->frames) refuse("these frames have exported memory: resolve that");
     if (!state_->frames->has_run())
         throw Error(ErrorCode::invalid_use,
@@ -212,7 +201,7 @@ void check_gradients(const auto& frames) {
 }  // namespace
 
 void Frames::vjp(const detail::FrameVectors& given, double* by_points, double* by_weights) {
-    const State::Call call(*state_);
+    const OneCall call = state_->call();
     if (!state_->frames) refuse("these frames have exported memory: submit the gradient");
     gpu::HostFrames& frames = *state_->frames;
     check_gradients(frames);
@@ -231,12 +220,12 @@ void Frames::vjp(const detail::FrameVectors& given, double* by_points, double* b
 }
 
 detail::ExportedArrays Frames::exported() {
-    const State::Call call(*state_);
+    const OneCall call = state_->call();
     return exported_of(state_->exported).arrays();
 }
 
 void Frames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done) {
-    const State::Call call(*state_);
+    const OneCall call = state_->call();
     gpu::ExportedFrames& frames = exported_of(state_->exported);
     const std::uint32_t most = frames.plan().options().max_seeds;
     if (count > most)
@@ -247,7 +236,7 @@ void Frames::submit(std::uint32_t count, std::uint64_t after, std::uint64_t done
 }
 
 void Frames::submit_vjp(const Want& given, std::uint64_t after, std::uint64_t done) {
-    const State::Call call(*state_);
+    const OneCall call = state_->call();
     gpu::ExportedFrames& frames = exported_of(state_->exported);
     check_gradients(frames);
     check_order(after, done);
@@ -263,7 +252,7 @@ void Frames::wait(std::uint64_t value) {
 }
 
 std::size_t Frames::resolve_exported() {
-    const State::Call call(*state_);
+    const OneCall call = state_->call();
     return exported_of(state_->exported).resolve();
 }
 

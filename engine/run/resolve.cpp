@@ -36,7 +36,7 @@ public:
         if (plan.weights)
             check_count(weights.size(), plan.weights->first + std::size_t{1}, plan.weights->stride, "weights");
         else if (!weights.empty())
-            detail::refuse("weights are given, but the plan has none");
+            refuse("weights are given, but the plan has none");
         Options options;
         if (plan.cell)
             options.cell = how.cell.value_or(*plan.cell);
@@ -102,8 +102,8 @@ private:
     }
     void check_count(std::size_t numbers, std::size_t first, std::size_t stride, const char* of) const {
         if (!cells_.empty() && numbers < (cells_.size() - 1) * stride + first)
-            detail::refuse(std::to_string(numbers) + " numbers are too few for " + of + " of " +
-                           std::to_string(cells_.size()) + " cells with a stride of " + std::to_string(stride));
+            refuse(std::to_string(numbers) + " numbers are too few for " + of + " of " + std::to_string(cells_.size()) +
+                   " cells with a stride of " + std::to_string(stride));
     }
     void add(Seeds& to, std::size_t i) const {
         to.ids.push_back(static_cast<std::int64_t>(i));

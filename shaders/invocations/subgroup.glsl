@@ -48,13 +48,6 @@ uint from_lane(uint value, uint from) {
     return exchange[from];
 }
 
-bool any_lane(bool yes) {
-    put(yes ? 1u : 0u);
-    uint all = 0u;
-    for (uint i = 0u; i < uint(lanes); ++i) all |= exchange[i];
-    return all != 0u;
-}
-
 bool alike(bool condition) {
     return condition;
 }
@@ -77,46 +70,26 @@ uint first_lane(bool yes) {
     return first;
 }
 
-uint sum(uint value) {
-    put(value);
-    uint all = 0u;
-    for (uint i = 0u; i < uint(lanes); ++i) all += exchange[i];
-    return all;
-}
+// A function of the values of all lanes. bits, value_of: between a value and its word; both: of `all` before and `one`.
+#define OVER_LANES(Value, function, bits, value_of, both)   \
+    Value function(Value value) {                           \
+        put(bits(value));                                   \
+        Value all = value_of(exchange[0]);                  \
+        for (uint i = 1u; i < uint(lanes); ++i) {           \
+            const Value one = value_of(exchange[i]);        \
+            all = both;                                     \
+        }                                                   \
+        return all;                                         \
+    }
+OVER_LANES(uint, sum, uint, uint, all + one)
+OVER_LANES(uint, all_bits, uint, uint, all | one)
+OVER_LANES(uint, smallest, uint, uint, min(all, one))
+OVER_LANES(float, sum, floatBitsToUint, uintBitsToFloat, all + one)
+OVER_LANES(float, largest, floatBitsToUint, uintBitsToFloat, max(all, one))
+OVER_LANES(float, smallest, floatBitsToUint, uintBitsToFloat, min(all, one))
 
-uint all_bits(uint value) {
-    put(value);
-    uint all = 0u;
-    for (uint i = 0u; i < uint(lanes); ++i) all |= exchange[i];
-    return all;
-}
-
-float largest(float number) {
-    put(floatBitsToUint(number));
-    float all = 0.0;
-    for (uint i = 0u; i < uint(lanes); ++i) all = max(all, uintBitsToFloat(exchange[i]));
-    return all;
-}
-
-float smallest(float number) {
-    put(floatBitsToUint(number));
-    float all = number;
-    for (uint i = 0u; i < uint(lanes); ++i) all = min(all, uintBitsToFloat(exchange[i]));
-    return all;
-}
-
-uint smallest(uint number) {
-    put(number);
-    uint all = number;
-    for (uint i = 0u; i < uint(lanes); ++i) all = min(all, exchange[i]);
-    return all;
-}
-
-float sum(float value) {
-    put(floatBitsToUint(value));
-    float all = 0.0;
-    for (uint i = 0u; i < uint(lanes); ++i) all += uintBitsToFloat(exchange[i]);
-    return all;
+bool any_lane(bool yes) {
+    return all_bits(yes ? 1u : 0u) != 0u;
 }
 
 float sum_in_pairs(float value) {

@@ -44,19 +44,13 @@ uint planes_of_vertex(uint vertex) {
     return VERTEX_LIST(vertex);
 }
 
-#ifdef GEOMETRY_FLOAT64
-ExactPlane exact_plane_at(uint p) {
-    return ExactPlane(
-        Vector(get_number(p), get_number(p + max_planes), get_number(p + 2u * max_planes)),
-        get_number(p + 3u * max_planes));
-}
-#else
 ExactPlane exact_plane_at(uint p) {
     return ExactPlane(
         Vector(get_number(p), get_number(p + max_planes), get_number(p + 2u * max_planes)),
         get_number(p + 3u * max_planes));
 }
 
+#ifndef GEOMETRY_FLOAT64
 // The vertices replace the second words of planes, and are in scratch memory behind their list; feet replace h.
 vec3 place_of_vertex(uint vertex) {
     return uintBitsToFloat(uvec3(WORD(4u * max_planes + vertex), WORD(6u * max_planes + vertex),

@@ -52,7 +52,7 @@ double area_of(const std::vector<FillVertex>& triangles) {
     for (std::size_t i = 0; i < triangles.size(); i += 3) {
         Polygon triangle;
         for (std::size_t k = 0; k < 3; ++k) {
-            const float* p = triangles[i + k].position;
+            const Floats& p = triangles[i + k].position;
             triangle.add({p[0], p[1], p[2]}, true);
         }
         area += area_of(triangle);
@@ -380,7 +380,7 @@ TEST_SUITE("stages") {
             CAPTURE(c);
             CHECK(strokes.size() >= 1);
             for (const Stroke& s : strokes) {
-                for (const float* p : {s.from, s.to}) {
+                for (const Floats& p : {s.from, s.to}) {
                     CHECK((p[0] >= 100 && p[0] <= 100 + text_width(text, style) + 0.01));
                     CHECK((p[1] >= 50 - 13 && p[1] <= 50 + 17));
                 }

@@ -112,52 +112,45 @@ Slice DeviceCells::words_of(std::uint32_t array) const {
 
 void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job,
                           std::uint32_t first, std::uint32_t count) {
-    for (int k = 0; k < 3; ++k) {
-        knn_.lower[k] = words(job.lower[k]);
-        knn_.upper[k] = words(job.upper[k]);
-        clip_.extent[k] = words(seeds.extent()[k]);
-    }
-    knn_.bounded = clip_.bounded = job.bounded;
-    knn_.first_cell = clip_.first_cell = first;
-    knn_.cell_count = clip_.cell_count = rows_.cell_count = count;
-    knn_.seed_count = clip_.seed_count = seeds.count();
-    knn_.own_count = clip_.own_count = job.own_count;
+    for (const BufferBinding& b : seeds.bindings().list()) bindings_.set(b.binding, b.slice);
     rows_.first_cell = first;
+    rows_.cell_count = count;
     rows_.named_from = job.named_from;
     rows_.shift = seeds.units().shift;
-    knn_.level_count = clip_.level_count = static_cast<std::uint32_t>(seeds.level_first().size());
-    std::ranges::copy(seeds.level_first(), knn_.level_first);
-    std::ranges::copy(seeds.level_first(), clip_.level_first);
-    knn_.max_visits = settings.max_visits;
-    clip_.max_visits = settings.max_walk_visits;
-    clip_.row_stride = rows_.row_stride = cells_;
+    rows_.row_stride = cells_;
     rows_.second_row_stride = todo_capacity_;
     rows_.second_first = static_cast<std::uint32_t>(second_first_);
-    knn_.keeps = clip_.keeps = static_cast<std::uint32_t>(keeps_);
-    todo_ = {count, max_of_tile_, settings.local_size, 0, clip_.keeps};
-    clip_.walls = job.walls ? 1 : 0;
-    clip_.neighbors = job.neighbors ? 1 : 0;
-    clip_.volume_tolerance = static_cast<float>(job.volume_tolerance);
-    for (const BufferBinding& b : seeds.bindings().list()) bindings_.set(b.binding, b.slice);
-    std::ranges::copy(clip_.extent, both_.extent);
-    std::ranges::copy(knn_.lower, both_.lower);
-    std::ranges::copy(knn_.upper, both_.upper);
-    both_.bounded = knn_.bounded;
-    both_.first_cell = first;
-    both_.cell_count = count;
-    both_.seed_count = clip_.seed_count;
-    both_.own_count = clip_.own_count;
-    both_.level_count = clip_.level_count;
-    both_.max_visits = settings.max_subgroup_visits[0];
-    both_.row_stride = clip_.row_stride;
-    both_.walls = clip_.walls;
-    both_.neighbors = clip_.neighbors;
-    both_.volume_tolerance = clip_.volume_tolerance;
-    both_.keeps = clip_.keeps;
-    both_again_ = both_;
-    if (keeps_ != 0) both_again_.keeps -= static_cast<std::uint32_t>(second_first_);
-    both_again_.max_visits = settings.max_subgroup_visits[1];
+    const auto keeps = static_cast<std::uint32_t>(keeps_);
+    todo_ = {count, max_of_tile_, settings.local_size, 0, keeps};
+    // Passes have some of these.
+    const auto set = [&](auto& push, std::uint32_t max_visits) {
+        push.bounded = job.bounded;
+        push.first_cell = first;
+        push.cell_count = count;
+        push.seed_count = seeds.count();
+        push.own_count = job.own_count;
+        push.level_count = static_cast<std::uint32_t>(seeds.level_first().size());
+        push.max_visits = max_visits;
+        push.keeps = keeps;
+        if constexpr (requires { push.level_first; }) std::ranges::copy(seeds.level_first(), push.level_first);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if constexpr (requires { push.extent; }) push.extent[k] = words(seeds.extent()[k]);
+            if constexpr (requires { push.lower; })
+                push.lower[k] = words(job.lower[k]), push.upper[k] = words(job.upper[k]);
+        }
+        if constexpr (requires { push.row_stride; }) {
+            push.row_stride = cells_;
+            push.walls = job.walls ? 1 : 0;
+            push.neighbors = job.neighbors ? 1 : 0;
+            push.volume_tolerance = static_cast<float>(job.volume_tolerance);
+        }
+    };
+    set(knn_, settings.max_visits);
+    set(clip_, settings.max_walk_visits);
+    set(both_, settings.max_subgroup_visits[0]);
+    set(both_again_, settings.max_subgroup_visits[1]);
     both_again_.row_stride = todo_capacity_;
+    if (keeps != 0) both_again_.keeps -= rows_.second_first;
     second_bindings_ = bindings_;
     const auto set_second = [&](std::uint32_t binding, VkDeviceSize each) {
         const Slice all = bindings_.get(binding);
@@ -169,42 +162,40 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
 }
 
 void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
+    const auto label = recorder.label("knn");
     static_assert(offsetof(ChunkState, row_base) == offsetof(ChunkState, left_count) + 4);
     recorder.fill(state(), 0, offsetof(ChunkState, row_base), 0);
     recorder.barrier();
     if (!passes.knn_search) return;
-    recorder.dispatch(*passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
-    recorder.barrier();
+    recorder.run(passes.knn_search, bindings_, knn_, knn_.cell_count);
 }
 
 void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier, bool ties) const {
-    const vulkan::Pass& clip_first = ties ? *passes.with_ties.clip_first : passes.clip_first;
+    const auto label = recorder.label("clip");
+    const vulkan::Pass& clip_first = ties ? passes.with_ties.clip_first : passes.clip_first;
     const auto& clip_second = ties ? passes.with_ties.clip_second : passes.clip_second;
     const std::uint32_t lanes = passes.settings.subgroup_size;
     if (lanes == 0)
-        recorder.dispatch(clip_first, bindings_.list(), push_bytes(clip_), clip_.cell_count);
+        recorder.run(clip_first, bindings_, clip_, clip_.cell_count);
     else
-        recorder.dispatch(clip_first, bindings_.list(), push_bytes(both_), std::uint64_t{clip_.cell_count} * lanes);
-    recorder.barrier();
+        recorder.run(clip_first, bindings_, both_, std::uint64_t{clip_.cell_count} * lanes);
     if (!second_tier || !clip_second) return;
     const std::uint32_t tiles = blocks_of(todo_.cell_count, TILE_ITEMS);
     Bindings bindings = bindings_;
     bindings.set(BINDING_SCAN_SUMS, tiles_);
     TodoPush todo = todo_;
-    recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
-    recorder.barrier();
+    recorder.run(passes.clip_todo, bindings, todo, std::uint64_t{tiles} * TILE_GROUP);
     todo_scan_.record(recorder, passes, tiles_, tiles);
     todo.places = 1;
-    recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
-    recorder.barrier();
+    recorder.run(passes.clip_todo, bindings, todo, std::uint64_t{tiles} * TILE_GROUP);
     if (lanes != 0) {
-        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(both_again_), state(),
+        recorder.dispatch_indirect(clip_second, second_bindings_.list(), push_bytes(both_again_), state(),
                                    offsetof(ChunkState, subgroups_x));
     } else {
         ClipPush second = clip_;
         second.row_stride = todo_capacity_;
         second.keeps = both_again_.keeps;
-        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(second), state(),
+        recorder.dispatch_indirect(clip_second, second_bindings_.list(), push_bytes(second), state(),
                                    offsetof(ChunkState, groups_x));
     }
     recorder.barrier();
@@ -217,7 +208,7 @@ void DeviceCells::record_rows(Recorder& recorder, const Passes& passes) const {
     recorder.barrier();
     scan_.record(recorder, passes, offsets, count);
     const bool named = rows_.named_from < INDEX_MASK;
-    const vulkan::Pass& pass = named ? *passes.download_named_rows : passes.download_rows;
+    const vulkan::Pass& pass = named ? passes.download_named_rows : passes.download_rows;
     const bool frames = passes.settings.frames;
     const VkDeviceSize window = VkDeviceSize{1} << rows_.window_bits;
     RowsPush push = rows_;

@@ -67,11 +67,9 @@ void DeviceResults::record_chunk(Recorder& recorder, const Passes& passes, const
                       offsetof(ChunkState, row_base), 4);
         cells.record_rows(recorder, passes);
     }
-    recorder.dispatch(*passes.download_place, bindings.list(), push_bytes(push), count);
-    recorder.barrier();
+    recorder.run(passes.download_place, bindings, push, count);
     if (!job.neighbors) return;
-    recorder.dispatch(passes.download_total, bindings.list(), push_bytes(push), 1);
-    recorder.barrier();
+    recorder.run(passes.download_total, bindings, push, 1);
 }
 
 void DeviceResults::record_offsets(Recorder& recorder, const Passes& passes, std::uint32_t count) const {
@@ -95,7 +93,7 @@ void DeviceResults::record_rows(Recorder& recorder, const Passes& passes, const 
     set(BINDING_SLICE_SHIFTS, to.shifts, to.rows);
     const GatherPush push{slice.first,   slice.count,        slice.entry,
                           slice.entries, to.areas ? 1u : 0u, to.shifts ? 1u : 0u};
-    recorder.dispatch(*passes.download_gather, bindings.list(), push_bytes(push),
+    recorder.dispatch(passes.download_gather, bindings.list(), push_bytes(push),
                       blocks_of(slice.entries, GATHER_ENTRIES));
 }
 

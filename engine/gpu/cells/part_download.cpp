@@ -44,12 +44,11 @@ void PartDownload::wait() {
 
 void PartDownload::begin_batch() {
     entries_ = 0;
-    commands_.begin();
-    commands_.barrier();
-    results_.record_begin(commands_);
-    commands_.barrier();
-    commands_.end();
-    commands_.submit();
+    commands_.submit([&] {
+        commands_.barrier();
+        results_.record_begin(commands_);
+        commands_.barrier();
+    });
 }
 
 ResultSizes PartDownload::best_sizes() const {
@@ -88,17 +87,14 @@ void PartDownload::reserve() {
 }
 
 void PartDownload::read_cells(const Passes& passes) {
-    commands_.begin();
-    {
+    commands_.submit([&] {
         const auto label = commands_.label("download");
         if (wanted_.neighbors) results_.record_offsets(commands_, passes, wanted_.members);
         const VkDeviceSize bytes = VkDeviceSize{4} * wanted_.members;
         commands_.copy(results_.slice(BINDING_PART_INFO), 0, info_host_, 0, bytes);
         commands_.copy(results_.slice(BINDING_PART_LENGTH), 0, lengths_host_, 0, bytes);
         commands_.barrier_to_host();
-    }
-    commands_.end();
-    commands_.submit();
+    });
     commands_.wait();
     info_host_.invalidate(info().size_bytes());
     lengths_host_.invalidate(lengths().size_bytes());
@@ -108,14 +104,11 @@ void PartDownload::stream(std::size_t slices, const auto& record, const auto& ta
     for (std::size_t i = 0; i <= slices; ++i) {
         if (i < slices) {
             Commands& commands = slices_[i % 2];
-            commands.begin();
-            {
+            commands.submit([&] {
                 const auto label = commands.label("download");
                 record(i, commands, staging_[i % 2]);
                 commands.barrier_to_host();
-            }
-            commands.end();
-            commands.submit();
+            });
         }
         if (i == 0) continue;
         slices_[(i - 1) % 2].wait();

@@ -14,7 +14,6 @@ namespace votess::gpu {
 namespace {
 
 using vulkan::check;
-using vulkan::push_bytes;
 
 constexpr VkExternalMemoryHandleTypeFlagBits memory_type_of_handle = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
 constexpr VkExternalSemaphoreHandleTypeFlagBits semaphore_type_of_handle =
@@ -238,13 +237,11 @@ void ExportedFrames::record_order(vulkan::Commands& commands, std::uint32_t coun
                          want_.centroids ? 1u : 0u,
                          sizes.areas > 0 ? 1u : 0u,
                          sizes.shifts > 0 ? 1u : 0u};
-    commands.dispatch(passes_[0], bindings.list(), push_bytes(push), count + std::uint64_t{1});
-    commands.barrier();
+    commands.run(passes_[0], bindings, push, count + std::uint64_t{1});
     if (!want_.neighbors) return;
     scan_.record(commands, votess::vulkan::detail::PlanAccess::passes(plan_), exported(arrays_.indptr, 4 * (n + 1)),
                  count + 1);
-    commands.dispatch(passes_[1], bindings.list(), push_bytes(push), count);
-    commands.barrier();
+    commands.run(passes_[1], bindings, push, count);
 }
 
 // Submits a batch without commands. Later submissions begin when the semaphore has the first value. It gets the second

@@ -5,11 +5,9 @@
 namespace votess::vulkan {
 namespace {
 
-using detail::refuse;
 using gpu::FrameCell;
 using gpu::FrameHeader;
 using gpu::FramePush;
-using gpu::vulkan::push_bytes;
 
 static_assert(sizeof(Header) == sizeof(FrameHeader) && offsetof(Header, kept) == offsetof(FrameHeader, kept));
 static_assert(sizeof(Cell) == sizeof(FrameCell) && offsetof(Cell, faces) == offsetof(FrameCell, faces));
@@ -17,10 +15,6 @@ static_assert(sizeof(Cell) == sizeof(FrameCell) && offsetof(Cell, faces) == offs
 constexpr double volume_tolerance = 0.5e-5;
 
 }  // namespace
-
-void detail::refuse(const std::string& what) {
-    throw Error(ErrorCode::invalid_argument, what);
-}
 
 bool detail::is_unresolved(std::uint32_t status) {
     switch (static_cast<CellStatus>(status)) {
@@ -113,10 +107,7 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
     set_domain(seeds_, *plan, options);
     seeds_.set_count(options.count == 0 ? 0 : options.count + plan->images);
     stamp(0);
-    {
-        const auto label = recorder_.label("upload");
-        record_upload(options);
-    }
+    record_upload(options);
     stamp(1);
     {
         const auto label = recorder_.label("sort");
@@ -138,6 +129,7 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
 }
 
 void detail::FrameState::record_upload(const RecordOptions& of_frame) {
+    const auto label = recorder_.label("upload");
     const gpu::Passes& passes = *plan->passes;
     const PlanOptions& options = plan->options;
     const std::uint32_t count = of_frame.count;
@@ -192,14 +184,8 @@ void detail::FrameState::record_cells(std::uint32_t count) {
     for (std::uint32_t first = 0; first < seeds_.count();) {
         const std::uint32_t cells = std::min(plan->chunk_cells, seeds_.count() - first);
         cells_.set_job(seeds_, passes.settings, job, first, cells);
-        {
-            const auto label = recorder_.label("knn");
-            cells_.record_knn(recorder_, passes);
-        }
-        {
-            const auto label = recorder_.label("clip");
-            cells_.record_clip(recorder_, passes, true);
-        }
+        cells_.record_knn(recorder_, passes);
+        cells_.record_clip(recorder_, passes, true);
         record_download(job, first, cells);
         first += cells;
     }
@@ -218,11 +204,9 @@ void detail::FrameState::record_download(const gpu::ChunkJob& job, std::uint32_t
                          seeds_.count(),
                          job.own_count,
                          cells_.clip_push().keeps};
-    recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
-    recorder_.barrier();
+    recorder_.run(passes.download_cells, outputs_, push, cells);
     if (!job.neighbors) return;
-    recorder_.dispatch(passes.download_total, outputs_.list(), push_bytes(push), 1);
-    recorder_.barrier();
+    recorder_.run(passes.download_total, outputs_, push, 1);
 }
 
 void detail::FrameState::record_kept_cells(const RecordOptions& options) {
@@ -232,14 +216,8 @@ void detail::FrameState::record_kept_cells(const RecordOptions& options) {
     kept_.set_job(seeds_, cells_, options.count);
     kept_.record_recall(recorder_, passes, options.fresh);
     for (std::uint32_t round = 0; seeds_.count() > 0; ++round) {
-        {
-            const auto label = recorder_.label("knn");
-            cells_.record_knn(recorder_, passes);
-        }
-        {
-            const auto label = recorder_.label("clip");
-            cells_.record_clip(recorder_, passes, true);
-        }
+        cells_.record_knn(recorder_, passes);
+        cells_.record_clip(recorder_, passes, true);
         if (round == KEPT_ROUNDS) break;
         const auto label = recorder_.label("kept");
         kept_.record_match(recorder_, passes);

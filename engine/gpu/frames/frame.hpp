@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/errors.hpp"
 #include "gpu/cells/device_cells.hpp"
 #include "gpu/frames/kept_frames.hpp"
 #include "votess/vulkan.hpp"
@@ -48,8 +49,6 @@ private:
     gpu::Bindings outputs_;
     gpu::Recorder recorder_;
 };
-
-[[noreturn]] void refuse(const std::string& what);  // throws invalid_argument
 
 // Makes plans on devices of votess, and shows what they hold.
 struct PlanAccess {

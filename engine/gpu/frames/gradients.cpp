@@ -85,10 +85,8 @@ void Gradients::record(vulkan::Recorder& recorder, const votess::vulkan::Frame& 
     bind(BINDING_SLICE_SHIFTS, arrays.shifts);
     for (const std::uint32_t binding : {BINDING_POINTS, BINDING_RUN_STATE})
         bindings.set(binding, seeds.bindings().get(binding));
-    recorder.dispatch(passes_.cells, bindings.list(), vulkan::push_bytes(push), count);
-    recorder.barrier();
-    recorder.dispatch(passes_.faces, bindings.list(), vulkan::push_bytes(push), std::uint64_t{count} * GRADIENT_LANES);
-    recorder.barrier();
+    recorder.run(passes_.cells, bindings, push, count);
+    recorder.run(passes_.faces, bindings, push, std::uint64_t{count} * GRADIENT_LANES);
 }
 
 }  // namespace votess::gpu

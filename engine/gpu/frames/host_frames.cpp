@@ -45,12 +45,11 @@ void HostFrames::submit() {
     constexpr std::chrono::milliseconds interval{20};
     seeds_.flush();
     weights_.flush();
-    commands_.begin();
-    buffers_->frame().record(commands_.handle(), {.count = static_cast<std::uint32_t>(count_), .fresh = fresh_});
-    buffers_->record_copies(commands_);
-    commands_.barrier_to_host();
-    commands_.end();
-    commands_.submit();
+    commands_.submit([&] {
+        buffers_->frame().record(commands_.handle(), {.count = static_cast<std::uint32_t>(count_), .fresh = fresh_});
+        buffers_->record_copies(commands_);
+        commands_.barrier_to_host();
+    });
     while (!commands_.wait_for(interval)) check_stop();
     buffers_->invalidate();
     device_->instance().check_messages();

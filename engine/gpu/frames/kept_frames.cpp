@@ -6,8 +6,6 @@
 namespace votess::gpu {
 namespace {
 
-using vulkan::push_bytes;
-
 // The share of pending cells from which on all are made. Invocations side by side wait for each other: on lavapipe with
 // 8 lanes a frame with 8 % pending takes half the time of a whole one. Subgroups do not wait.
 double max_pending_share(const PassSettings& settings) {
@@ -80,12 +78,9 @@ void KeptFrames::record_recall(Recorder& recorder, const Passes& passes, bool fr
     record_reset(recorder);
     if (fresh) recorder.fill(store_, 0, VkDeviceSize{4} * seeds_, 0);  // no cell is stored
     recorder.barrier();
-    recorder.dispatch(*passes.kept_places, bindings_.list(), push_bytes(push_), push_.cell_count);
-    recorder.barrier();
-    recorder.dispatch(*passes.kept_recall, bindings_.list(), push_bytes(push_), push_.cell_count);
-    recorder.barrier();
-    recorder.dispatch(*passes.clip_kept, bindings_.list(), push_bytes(clip_), push_.cell_count);
-    recorder.barrier();
+    recorder.run(passes.kept_places, bindings_, push_, push_.cell_count);
+    recorder.run(passes.kept_recall, bindings_, push_, push_.cell_count);
+    recorder.run(passes.clip_kept, bindings_, clip_, push_.cell_count);
     record_drop(recorder, passes, static_cast<std::uint32_t>(max_pending_share(passes.settings) * push_.own_count));
 }
 
@@ -98,28 +93,23 @@ void KeptFrames::record_reset(Recorder& recorder) const {
 void KeptFrames::record_match(Recorder& recorder, const Passes& passes) const {
     record_reset(recorder);
     recorder.barrier();
-    recorder.dispatch(*passes.kept_match, bindings_.list(), push_bytes(push_), push_.cell_count);
-    recorder.barrier();
+    recorder.run(passes.kept_match, bindings_, push_, push_.cell_count);
 }
 
 void KeptFrames::record_judgment(Recorder& recorder, const Passes& passes) const {
-    recorder.dispatch(*passes.kept_cover, bindings_.list(), push_bytes(cover_), push_.cell_count);
-    recorder.barrier();
-    recorder.dispatch(*passes.kept_judge, bindings_.list(), push_bytes(cover_), push_.cell_count);
-    recorder.barrier();
+    recorder.run(passes.kept_cover, bindings_, cover_, push_.cell_count);
+    recorder.run(passes.kept_judge, bindings_, cover_, push_.cell_count);
     record_drop(recorder, passes, 0);
 }
 
 void KeptFrames::record_drop(Recorder& recorder, const Passes& passes, std::uint32_t max_pending) const {
     KeptPush push = push_;
     push.max_pending = max_pending;
-    recorder.dispatch(*passes.kept_drop, bindings_.list(), push_bytes(push), push.cell_count);
-    recorder.barrier();
+    recorder.run(passes.kept_drop, bindings_, push, push.cell_count);
 }
 
 void KeptFrames::record_store(Recorder& recorder, const Passes& passes) const {
-    recorder.dispatch(*passes.kept_store, bindings_.list(), push_bytes(push_), seeds_);
-    recorder.barrier();
+    recorder.run(passes.kept_store, bindings_, push_, seeds_);
 }
 
 }  // namespace votess::gpu

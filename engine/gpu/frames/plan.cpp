@@ -10,7 +10,6 @@ namespace votess::vulkan {
 namespace {
 
 using detail::max_of_all;
-using detail::refuse;
 
 constexpr VkDeviceSize geometry_bytes = 16;  // of a cell: vec4
 

@@ -118,27 +118,28 @@ Pass clip(PassBatch& batch, const PassSettings& settings, std::uint32_t tier) {
     return settings.subgroup_size != 0 ? clip_by_subgroup(batch, settings, tier) : clip_cells(batch, settings, tier);
 }
 
-std::unique_ptr<Pass> second_tier(PassBatch& batch, const PassSettings& settings) {
-    return settings.has_second_tier() ? std::make_unique<Pass>(clip(batch, settings, 1)) : nullptr;
+Pass second_tier(PassBatch& batch, const PassSettings& settings) {
+    return settings.has_second_tier() ? clip(batch, settings, 1) : Pass();
 }
 
-std::span<const std::uint32_t> rows_with_areas(const PassSettings& settings) {
-    if (!settings.frames) return shaders::download_rows_areas;
-    return settings.measure_float64 ? shaders::download_frame_areas_f64 : shaders::download_frame_areas_f32;
-}
-std::span<const std::uint32_t> named_rows_with_areas(const PassSettings& settings) {
-    if (!settings.frames) return shaders::download_rows_names_areas;
-    return settings.measure_float64 ? shaders::download_frame_names_areas_f64 : shaders::download_frame_names_areas_f32;
+// rows, areas, float32, float64: the shaders of rows alone, with areas, and with areas in frames.
+Pass rows_by(PassBatch& batch, const PassSettings& s, const char* name, std::span<const std::uint32_t> rows,
+             std::span<const std::uint32_t> areas, std::span<const std::uint32_t> float32,
+             std::span<const std::uint32_t> float64) {
+    const auto of_frames = s.measure_float64 ? float64 : float32;
+    return make<RowsPush>(batch, name, !s.areas ? rows : s.frames ? of_frames : areas, s.local_size);
 }
 
 Pass download_rows(PassBatch& batch, const PassSettings& settings) {
-    const auto spirv = settings.areas ? rows_with_areas(settings) : shaders::download_rows;
-    return make<RowsPush>(batch, "download_rows", spirv, settings.local_size);
+    using namespace shaders;
+    return rows_by(batch, settings, "download_rows", shaders::download_rows, download_rows_areas,
+                   download_frame_areas_f32, download_frame_areas_f64);
 }
 
 Pass download_named_rows(PassBatch& batch, const PassSettings& settings) {
-    const auto spirv = settings.areas ? named_rows_with_areas(settings) : shaders::download_rows_names;
-    return make<RowsPush>(batch, "download_rows names", spirv, settings.local_size);
+    using namespace shaders;
+    return rows_by(batch, settings, "download_rows names", download_rows_names, download_rows_names_areas,
+                   download_frame_names_areas_f32, download_frame_names_areas_f64);
 }
 
 }  // namespace
@@ -190,62 +191,48 @@ Passes::Passes(PassBatch&& batch, const PassSettings& s)
 
 void Passes::make_optional(PassBatch& batch) {
     const PassSettings& s = settings;
-    if (s.subgroup_size == 0)
-        knn_search = std::make_unique<Pass>(
-            make<KnnPush>(batch, "knn_search", shaders::knn_search, s.local_size, {{CONSTANT_K, s.k}, has_weights(s)}));
-    if (s.weights) {
-        upload_weights =
-            std::make_unique<Pass>(make<UploadPush>(batch, "upload_weights", shaders::upload_weights, s.local_size));
-        image_reach = std::make_unique<Pass>(
-            make<ReachPush>(batch, "image_reach", shaders::image_reach, s.local_size, {has_weights(s)}));
-    }
-    if (!s.frames || s.images) download_named_rows = std::make_unique<Pass>(gpu::download_named_rows(batch, s));
-    if (!s.frames) {
-        download_place =
-            std::make_unique<Pass>(make<FramePush>(batch, "download_place", shaders::download_place, s.local_size));
-        download_gather =
-            std::make_unique<Pass>(make<GatherPush>(batch, "download_gather", shaders::download_gather, s.local_size));
-        return;
-    }
-    download_cells = std::make_unique<Pass>(
-        make<FramePush>(batch, "download_cells",
-                        s.measure_float64 ? shaders::download_cells_f64 : shaders::download_cells_f32, s.local_size));
-    if (s.follow) make_kept(batch);
-    if (s.walls)
-        upload_walls =
-            std::make_unique<Pass>(make<UploadPush>(batch, "upload_walls", shaders::upload_walls, s.local_size));
-    if (!s.images) return;
-    upload_wrap = std::make_unique<Pass>(make<ImagesPush>(
-        batch, "upload_wrap", s.triclinic ? shaders::upload_wrap_triclinic : shaders::upload_wrap, s.local_size));
-    upload_images = std::make_unique<Pass>(make<ImagesPush>(
-        batch, "upload_images", s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size,
-        {has_weights(s)}));
-}
-
-void Passes::make_kept(PassBatch& batch) {
-    const PassSettings& s = settings;
-    const auto kept = [&]<class Push>(const char* name, std::span<const std::uint32_t> spirv, Push,
-                                      std::vector<vulkan::Constant> constants = {}) {
-        return std::make_unique<Pass>(make<Push>(batch, name, spirv, s.local_size, std::move(constants)));
+    const auto usual = [&]<class Push>(const char* name, std::span<const std::uint32_t> spirv, Push,
+                                       std::vector<vulkan::Constant> constants = {}) {
+        return make<Push>(batch, name, spirv, s.local_size, std::move(constants));
     };
     using namespace shaders;
+    if (s.subgroup_size == 0)
+        knn_search = usual("knn_search", shaders::knn_search, KnnPush{}, {{CONSTANT_K, s.k}, has_weights(s)});
+    if (s.weights) {
+        upload_weights = usual("upload_weights", shaders::upload_weights, UploadPush{});
+        image_reach = usual("image_reach", shaders::image_reach, ReachPush{}, {has_weights(s)});
+    }
+    if (!s.frames || s.images) download_named_rows = gpu::download_named_rows(batch, s);
+    if (!s.frames) {
+        download_place = usual("download_place", shaders::download_place, FramePush{});
+        download_gather = usual("download_gather", shaders::download_gather, GatherPush{});
+        return;
+    }
+    download_cells = usual("download_cells", s.measure_float64 ? download_cells_f64 : download_cells_f32, FramePush{});
+    if (s.walls) upload_walls = usual("upload_walls", shaders::upload_walls, UploadPush{});
+    if (s.images) {
+        upload_wrap = usual("upload_wrap", s.triclinic ? upload_wrap_triclinic : shaders::upload_wrap, ImagesPush{});
+        upload_images = usual("upload_images", s.triclinic ? upload_images_triclinic : shaders::upload_images,
+                              ImagesPush{}, {has_weights(s)});
+    }
+    if (!s.follow) return;
     const vulkan::Constant walls{CONSTANT_WALLS, s.walls ? 1u : 0u};
-    kept_places = kept("kept_places", shaders::kept_places, KeptPush{});
-    kept_recall = kept("kept_recall", s.images ? kept_recall_names : shaders::kept_recall, KeptPush{});
+    kept_places = usual("kept_places", shaders::kept_places, KeptPush{});
+    kept_recall = usual("kept_recall", s.images ? kept_recall_names : shaders::kept_recall, KeptPush{});
     clip_kept =
-        kept("clip_kept", s.measure && s.measure_float64 ? clip_kept_f32_measure_f64 : clip_kept_f32, ClipPush{},
-             {{CONSTANT_MAX_PLANES, KEPT_PLANES},
-              {CONSTANT_MAX_VERTICES, KEPT_CORNERS},
-              wanted_geometry(s),
-              walls,
-              unit_roundoff(batch.device()),
-              has_weights(s)});
-    kept_match = kept("kept_match", s.images ? kept_match_names : shaders::kept_match, KeptPush{});
-    kept_cover = kept("kept_cover", shaders::kept_cover, CoverPush{},
-                      {wanted_geometry(s), walls, unit_roundoff(batch.device()), has_weights(s)});
-    kept_judge = kept("kept_judge", shaders::kept_judge, CoverPush{}, {has_weights(s)});
-    kept_drop = kept("kept_drop", shaders::kept_drop, KeptPush{});
-    kept_store = kept("kept_store", s.images ? kept_store_names : shaders::kept_store, KeptPush{});
+        usual("clip_kept", s.measure && s.measure_float64 ? clip_kept_f32_measure_f64 : clip_kept_f32, ClipPush{},
+              {{CONSTANT_MAX_PLANES, KEPT_PLANES},
+               {CONSTANT_MAX_VERTICES, KEPT_CORNERS},
+               wanted_geometry(s),
+               walls,
+               unit_roundoff(batch.device()),
+               has_weights(s)});
+    kept_match = usual("kept_match", s.images ? kept_match_names : shaders::kept_match, KeptPush{});
+    kept_cover = usual("kept_cover", shaders::kept_cover, CoverPush{},
+                       {wanted_geometry(s), walls, unit_roundoff(batch.device()), has_weights(s)});
+    kept_judge = usual("kept_judge", shaders::kept_judge, CoverPush{}, {has_weights(s)});
+    kept_drop = usual("kept_drop", shaders::kept_drop, KeptPush{});
+    kept_store = usual("kept_store", s.images ? kept_store_names : shaders::kept_store, KeptPush{});
 }
 
 void Passes::make_with_ties(Device& device) {
@@ -253,10 +240,9 @@ void Passes::make_with_ties(Device& device) {
     PassBatch batch(device);
     PassSettings s = settings;
     s.tiers[0].ties = s.tiers[1].ties = true;
-    auto first = std::make_unique<Pass>(clip(batch, s, 0));
-    auto second = second_tier(batch, s);
+    const Pass first = clip(batch, s, 0), second = second_tier(batch, s);
     batch.make();
-    with_ties = {std::move(first), std::move(second)};
+    with_ties = {first, second};
 }
 
 }  // namespace votess::gpu

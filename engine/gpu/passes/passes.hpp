@@ -65,24 +65,22 @@ struct Passes {
     vulkan::Pass upload;
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_crowded, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes;
-    vulkan::Pass clip_first, clip_todo;         // clip_first searches too where subgroups make cells
-    std::unique_ptr<vulkan::Pass> clip_second;  // null without a second tier
+    vulkan::Pass clip_first, clip_todo;  // clip_first searches too where subgroups make cells
+    vulkan::Pass clip_second;            // none without a second tier
     struct {
-        std::unique_ptr<vulkan::Pass> clip_first, clip_second;
-    } with_ties;                               // null until they are made
-    std::unique_ptr<vulkan::Pass> knn_search;  // null where subgroups make cells
+        vulkan::Pass clip_first, clip_second;
+    } with_ties;              // none until they are made
+    vulkan::Pass knn_search;  // none where subgroups make cells
     vulkan::Pass download_rows, download_total;
-    // Null when not needed.
-    std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;
-    std::unique_ptr<vulkan::Pass> download_cells, upload_weights, image_reach, upload_walls, upload_wrap, upload_images;
+    // None when not needed.
+    vulkan::Pass download_named_rows, download_place, download_gather;
+    vulkan::Pass download_cells, upload_weights, image_reach, upload_walls, upload_wrap, upload_images;
     // In their order in a frame; the first match comes with each round.
-    std::unique_ptr<vulkan::Pass> kept_places, kept_recall, clip_kept, kept_match, kept_cover, kept_judge, kept_drop,
-        kept_store;
+    vulkan::Pass kept_places, kept_recall, clip_kept, kept_match, kept_cover, kept_judge, kept_drop, kept_store;
 
 private:
     Passes(vulkan::PassBatch&& batch, const PassSettings& settings);
     void make_optional(vulkan::PassBatch& batch);
-    void make_kept(vulkan::PassBatch& batch);
 };
 
 }  // namespace votess::gpu

@@ -7,8 +7,6 @@
 namespace votess::gpu {
 namespace {
 
-using vulkan::push_bytes;
-
 // Returns a whole number that orders doubles as their values do.
 std::uint64_t ordered_bits(double x) {
     const auto bits = std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x);  // -0 equals 0
@@ -53,9 +51,8 @@ void Scan::record_blocks(Recorder& recorder, const Passes& passes, const Slice& 
         bindings.set(BINDING_SCAN_DATA, levels == 0 ? data : sums_[levels - 1]);
         bindings.set(BINDING_SCAN_SUMS, sums_[levels]);
         ++levels;
-        recorder.dispatch(passes.scan_blocks, bindings.list(), push_bytes(ScanPush{count}),
-                          std::uint64_t{blocks_of(count, TILE_ITEMS)} * TILE_GROUP);
-        recorder.barrier();
+        recorder.run(passes.scan_blocks, bindings, ScanPush{count},
+                     std::uint64_t{blocks_of(count, TILE_ITEMS)} * TILE_GROUP);
         if (count <= TILE_ITEMS) break;
     }
     // Adds the sums, from the level before the last one down to the sums of the first.
@@ -68,8 +65,7 @@ void Scan::record_add(Recorder& recorder, const Passes& passes, const Slice& dat
     Bindings bindings;
     bindings.set(BINDING_SCAN_DATA, data);
     bindings.set(BINDING_SCAN_SUMS, sums);
-    recorder.dispatch(passes.scan_add, bindings.list(), push_bytes(ScanPush{count}), count);
-    recorder.barrier();
+    recorder.run(passes.scan_add, bindings, ScanPush{count}, count);
 }
 
 void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images, std::uint32_t walls,
@@ -187,20 +183,17 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
     Bindings bindings = bindings_;
     bindings.set(BINDING_SCAN_DATA, image_counts_);
     bindings.set(BINDING_HEADER, header);
-    recorder.dispatch(*passes.upload_wrap, bindings.list(), push_bytes(push), count);
-    recorder.barrier();
+    recorder.run(passes.upload_wrap, bindings, push, count);
     if (count == 0) return;
     image_scan_.record(recorder, passes, image_counts_, count);
-    recorder.dispatch(*passes.upload_images, bindings.list(), push_bytes(push), push.total - count);
-    recorder.barrier();
+    recorder.run(passes.upload_images, bindings, push, push.total - count);
 }
 
 void DeviceSeeds::record_walls(Recorder& recorder, const Passes& passes, std::uint32_t count) const {
     UploadPush push{};
     push.count = count;
     push.total = count_;
-    recorder.dispatch(*passes.upload_walls, bindings_.list(), push_bytes(push), count);
-    recorder.barrier();
+    recorder.run(passes.upload_walls, bindings_, push, count);
 }
 
 void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
@@ -243,8 +236,7 @@ void DeviceSeeds::record_raw(Recorder& recorder, const vulkan::Pass& pass, Uploa
     push.total = count_;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);
-    recorder.dispatch(pass, bindings.list(), push_bytes(push), count);
-    recorder.barrier();
+    recorder.run(pass, bindings, push, count);
 }
 
 void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
@@ -255,7 +247,7 @@ void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const
     push.lower[0] = words(ordered_bits(weights_->least));
     push.upper[0] = words(ordered_bits(weights_->largest));
     push.shift = weights_->shift;
-    record_raw(recorder, *passes.upload_weights, push, raw, first, count);
+    record_raw(recorder, passes.upload_weights, push, raw, first, count);
 }
 
 void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
@@ -281,12 +273,10 @@ void DeviceSeeds::record_radix_pass(Recorder& recorder, const Passes& passes, st
     bindings.set(BINDING_INDEX_OUT, index_[1 - pass % 2]);
     bindings.set(BINDING_SCAN_DATA, counts_);
     const std::uint64_t invocations = std::uint64_t{push.tiles} * TILE_GROUP;
-    recorder.dispatch(passes.sort_count, bindings.list(), push_bytes(push), invocations);
-    recorder.barrier();
+    recorder.run(passes.sort_count, bindings, push, invocations);
     scan_.record_blocks(recorder, passes, counts_, push.tiles * DIGITS);
     bindings.set(BINDING_SCAN_SUMS, scan_.block_sums());
-    recorder.dispatch(passes.sort_scatter, bindings.list(), push_bytes(push), invocations);
-    recorder.barrier();
+    recorder.run(passes.sort_scatter, bindings, push, invocations);
 }
 
 void DeviceSeeds::record_order(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const {
@@ -299,8 +289,7 @@ void DeviceSeeds::record_order(Recorder& recorder, const Passes& passes, std::ui
     Bindings bindings = bindings_;
     bindings.set(BINDING_KEYS_OUT, keys_[0]);
     bindings.set(BINDING_INDEX_OUT, index_[0]);
-    recorder.dispatch(passes.sort_key, bindings.list(), push_bytes(push), count_);
-    recorder.barrier();
+    recorder.run(passes.sort_key, bindings, push, count_);
     // With coarse keys the high word is 0 in all.
     const std::uint32_t needed = key_bits <= coarse_bits ? radix_passes / 2 : radix_passes;
     for (std::uint32_t pass = 0; pass < needed; ++pass) record_radix_pass(recorder, passes, pass);
@@ -312,16 +301,14 @@ void DeviceSeeds::record_crowded(Recorder& recorder, const Passes& passes) const
     Bindings bindings;
     bindings.set(BINDING_KEYS_IN, keys_[0]);
     bindings.set(BINDING_SCAN_DATA, crowded());
-    recorder.dispatch(passes.sort_crowded, bindings.list(), push_bytes(KeyPush{count_, 0, 0}), count_);
-    recorder.barrier();
+    recorder.run(passes.sort_crowded, bindings, KeyPush{count_, 0, 0}, count_);
 }
 
 void DeviceSeeds::record_gather(Recorder& recorder, const Passes& passes) const {
     Bindings bindings = bindings_;
     bindings.set(BINDING_KEYS_IN, keys_[0]);
     bindings.set(BINDING_INDEX_IN, index_[0]);
-    recorder.dispatch(passes.sort_gather, bindings.list(), push_bytes(KeyPush{count_, 0, 0}), count_);
-    recorder.barrier();
+    recorder.run(passes.sort_gather, bindings, KeyPush{count_, 0, 0}, count_);
 }
 
 void DeviceSeeds::record_hierarchy(Recorder& recorder, const Passes& passes, const KnownSeeds& known) const {
@@ -329,8 +316,7 @@ void DeviceSeeds::record_hierarchy(Recorder& recorder, const Passes& passes, con
         const std::uint32_t below = level == 0 ? 0 : level - 1;
         const BoxesPush push{
             count_, level, level_first_[level], level_size_[level], level_first_[below], level_size_[below]};
-        recorder.dispatch(passes.knn_boxes, bindings_.list(), push_bytes(push), push.count);
-        recorder.barrier();
+        recorder.run(passes.knn_boxes, bindings_, push, push.count);
     }
     const bool periodic = std::ranges::any_of(known.period, [](std::uint64_t period) { return period != 0; });
     if (weights_ && periodic && level_count_ > 1) record_image_reach(recorder, passes, known);
@@ -350,8 +336,7 @@ void DeviceSeeds::record_image_reach(Recorder& recorder, const Passes& passes, c
     push.level_count = level_count_;
     push.node_count = level_size_[1];
     push.max_visits = 2 * passes.settings.max_visits;
-    recorder.dispatch(*passes.image_reach, bindings_.list(), push_bytes(push), push.node_count);
-    recorder.barrier();
+    recorder.run(passes.image_reach, bindings_, push, push.node_count);
 }
 
 }  // namespace votess::gpu

@@ -64,11 +64,10 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     seeds_.set_heaviest_unknown(true);
     seconds_ = {};
 
-    commands_.begin();
-    seeds_.record_begin(commands_, points.lossy);
-    commands_.barrier();
-    commands_.end();
-    commands_.submit();
+    commands_.submit([&] {
+        seeds_.record_begin(commands_, points.lossy);
+        commands_.barrier();
+    });
     upload_pieces(points, members, total, false, passes, pool);
     if (domain.has_weights())
         upload_pieces({std::as_bytes(std::span(domain.weights)), 8, POINTS_FLOAT64, false}, members_of_weights, total,
@@ -143,35 +142,38 @@ void SeedStore::stream(std::uint32_t total, std::size_t bytes_each, ThreadPool& 
         });
         staging_[slot].flush();
         Commands& commands = uploads_[slot];
-        commands.begin();
-        {
+        commands.submit([&] {
             const auto label = commands.label("upload");
             stamps[slot].begin = commands.timestamp();
             commands.barrier();
             record(commands, staging_[slot], first, count);
             stamps[slot].end = commands.timestamp();
             stamps[slot].used = true;
-        }
-        commands.end();
-        commands.submit();
+        });
     }
     collect(0);
     collect(1);
 }
 
+double SeedStore::run_labeled(const char* name, const auto& record) {
+    std::uint32_t begin = 0, end = 0;
+    commands_.submit([&] {
+        const auto label = commands_.label(name);
+        begin = commands_.timestamp();
+        end = record();
+    });
+    commands_.wait();
+    return commands_.seconds(begin, end);
+}
+
 void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
     seconds_.sort = 0;
     const auto run = [&](const auto& record) {
-        commands_.begin();
-        std::optional<Commands::Label> label(std::in_place, commands_, "sort");
-        const auto begin = commands_.timestamp();
-        const auto end = record();
-        commands_.barrier_to_host();
-        label.reset();
-        commands_.end();
-        commands_.submit();
-        commands_.wait();
-        seconds_.sort += commands_.seconds(begin, end);
+        seconds_.sort += run_labeled("sort", [&] {
+            const auto end = record();
+            commands_.barrier_to_host();
+            return end;
+        });
         state_host_.invalidate();
     };
     const auto is_crowded = [&] {
@@ -198,16 +200,10 @@ void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
 }
 
 void SeedStore::build_hierarchy(const Passes& passes, const KnownSeeds& known) {
-    commands_.begin();
-    std::optional<Commands::Label> label(std::in_place, commands_, "knn");
-    const auto begin = commands_.timestamp();
-    seeds_.record_hierarchy(commands_, passes, known);
-    const auto end = commands_.timestamp();
-    label.reset();
-    commands_.end();
-    commands_.submit();
-    commands_.wait();
-    seconds_.knn = commands_.seconds(begin, end);
+    seconds_.knn = run_labeled("knn", [&] {
+        seeds_.record_hierarchy(commands_, passes, known);
+        return commands_.timestamp();
+    });
 }
 
 }  // namespace votess::gpu

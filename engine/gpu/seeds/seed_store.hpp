@@ -63,6 +63,8 @@ private:
     // Copies items in slices, two of which are in flight. Threads write a slice with write(to, first, count);
     // record(commands, staging, first, count) records its use.
     void stream(std::uint32_t total, std::size_t bytes_each, ThreadPool& pool, const auto& write, const auto& record);
+    // Runs what record() records. Returns the seconds until the timestamp that it returns.
+    double run_labeled(const char* name, const auto& record);
 
     vulkan::Memory& memory_;
     OwnBuffers buffers_{memory_}, name_buffers_{memory_};

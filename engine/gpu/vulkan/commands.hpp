@@ -28,6 +28,13 @@ public:
     [[nodiscard]] VkCommandBuffer handle() const { return commands_; }
 
     void submit();
+    // Begins, records by record(), ends and submits.
+    void submit(const auto& record) {
+        begin();
+        record();
+        end();
+        submit();
+    }
     // Returns whether nothing is running. Throws device_lost as the waits do.
     [[nodiscard]] bool finished();
     // Waits at most `timeout`. Returns whether the work has finished.

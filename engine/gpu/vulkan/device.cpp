@@ -7,22 +7,19 @@
 
 namespace votess::gpu::vulkan {
 
-namespace {
-
-void require_usable(const Adapter& adapter) {
+template <class How>
+std::shared_ptr<Device> Device::make(std::shared_ptr<Instance> instance, const Adapter& adapter, const How& how) {
     if (const std::string lack = adapter.missing(); !lack.empty())
         throw Error(ErrorCode::unsupported, "votess cannot use the device " + adapter.name + ": it " + lack);
-}
-
-}  // namespace
-
-std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const Adapter& adapter,
-                                       const DeviceOptions& options) {
-    require_usable(adapter);
-    std::shared_ptr<Device> device(new Device(std::move(instance), adapter, options));
+    std::shared_ptr<Device> device(new Device(std::move(instance), adapter, how));
     device->find_rounding();
     device->find_subgroup_size();
     return device;
+}
+
+std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const Adapter& adapter,
+                                       const DeviceOptions& options) {
+    return make(std::move(instance), adapter, options);
 }
 
 Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options)
@@ -75,11 +72,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
 
 std::shared_ptr<Device> Device::adopt(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                       const HostDevice& host) {
-    require_usable(adapter);
-    std::shared_ptr<Device> device(new Device(std::move(instance), adapter, host));
-    device->find_rounding();
-    device->find_subgroup_size();
-    return device;
+    return make(std::move(instance), adapter, host);
 }
 
 Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const HostDevice& host)

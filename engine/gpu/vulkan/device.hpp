@@ -85,6 +85,9 @@ public:
 private:
     Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options);
     Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const HostDevice& host);
+    template <class How>
+    [[nodiscard]] static std::shared_ptr<Device> make(std::shared_ptr<Instance> instance, const Adapter& adapter,
+                                                      const How& how);
     void find_rounding();
     void find_subgroup_size();
     void set_name(std::uint64_t object, VkObjectType type, const char* text);

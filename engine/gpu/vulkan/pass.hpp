@@ -32,8 +32,10 @@ struct PassInfo {
 // constants are not those of the shader.
 class Pass {
 public:
+    Pass() = default;  // none
     Pass(Device& device, const PassInfo& info);
 
+    [[nodiscard]] explicit operator bool() const { return made_ != nullptr; }
     [[nodiscard]] const std::string& name() const { return made_->name; }
     [[nodiscard]] VkPipeline pipeline() const { return made_->pipeline; }
     [[nodiscard]] VkPipelineLayout layout() const { return made_->layout; }

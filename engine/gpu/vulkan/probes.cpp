@@ -33,11 +33,10 @@ std::vector<Real> operand_pairs(std::uint32_t count) {
 void run(Device& device, const Pass& pass, std::span<const BufferBinding> bindings, std::uint32_t count,
          const Buffer& results) {
     Commands commands(device);
-    commands.begin();
-    commands.dispatch(pass, bindings, push_bytes(ScanPush{count}), count);
-    commands.barrier_to_host();
-    commands.end();
-    commands.submit();
+    commands.submit([&] {
+        commands.dispatch(pass, bindings, push_bytes(ScanPush{count}), count);
+        commands.barrier_to_host();
+    });
     commands.wait();
     results.invalidate();
 }

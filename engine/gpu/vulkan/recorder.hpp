@@ -24,6 +24,12 @@ struct BufferBinding {
         : binding(number), slice(buffer != nullptr ? Slice(*buffer) : Slice{}), offset(from), bytes(size) {}
 };
 
+// Returns the bytes of a push-constant block.
+template <class T>
+[[nodiscard]] std::span<const std::byte> push_bytes(const T& block) {
+    return std::as_bytes(std::span(&block, 1));
+}
+
 // Returns numbers of work-groups along three axes. Their product times local_size is at least `invocations` and little
 // more. Shaders count groups as x + num.x * (y + num.y * z) and check bounds. 0 invocations give {0, 0, 0}.
 [[nodiscard]] std::array<std::uint32_t, 3> group_counts(std::uint64_t invocations, std::uint32_t local_size,
@@ -83,6 +89,11 @@ public:
     // nothing.
     void dispatch(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push,
                   std::uint64_t invocations);
+    // The same with a barrier() behind it. buffers: has a list() of them.
+    void run(const Pass& pass, const auto& buffers, const auto& push, std::uint64_t invocations) {
+        dispatch(pass, buffers.list(), push_bytes(push), invocations);
+        barrier();
+    }
     // The three group counts are a VkDispatchIndirectCommand in `args`.
     void dispatch_indirect(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push,
                            const Slice& args, VkDeviceSize offset = 0);
@@ -126,11 +137,5 @@ private:
     VkCommandBuffer buffer_ = VK_NULL_HANDLE;
     bool open_ = false;
 };
-
-// Returns the bytes of a push-constant block.
-template <class T>
-[[nodiscard]] std::span<const std::byte> push_bytes(const T& block) {
-    return std::as_bytes(std::span(&block, 1));
-}
 
 }  // namespace votess::gpu::vulkan

@@ -11,8 +11,7 @@ constexpr double bar_width = 30, bar_gap = 34, tick_length = 9, text_gap = 9, ma
 
 FillVertex flat_vertex(double x, double y, Color color) {
     FillVertex vertex{};
-    vertex.position[0] = static_cast<float>(x);
-    vertex.position[1] = static_cast<float>(y);
+    vertex.position = floats({x, y, 0});
     vertex.color = color;
     vertex.edge = 1;
     return vertex;
@@ -26,10 +25,7 @@ void add_rectangle(const Area& area, Color color, std::vector<FillVertex>& out) 
 }
 
 void add_line(double x0, double y0, double x1, double y1, double width, Color color, std::vector<Stroke>& out) {
-    out.push_back({{static_cast<float>(x0), static_cast<float>(y0), 0},
-                   {static_cast<float>(x1), static_cast<float>(y1), 0},
-                   static_cast<float>(width / 2),
-                   color});
+    out.push_back(stroke({x0, y0, 0}, {x1, y1, 0}, width, color));
 }
 
 void add_outline(const Area& a, double width, Color color, std::vector<Stroke>& out) {

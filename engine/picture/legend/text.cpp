@@ -202,11 +202,7 @@ void draw_text(std::string_view text, double x, double y, double align, const Te
             trace(word, line);
             for (std::size_t i = 0; i + 1 < line.size(); ++i) {
                 const Point a = place(line[i]), b = place(line[i + 1]);
-                const auto half = static_cast<float>(style.weight * style.size / 2);
-                strokes.push_back({{static_cast<float>(a[0]), static_cast<float>(a[1]), 0},
-                                   {static_cast<float>(b[0]), static_cast<float>(b[1]), 0},
-                                   half,
-                                   style.color});
+                strokes.push_back(stroke({a[0], a[1], 0}, {b[0], b[1], 0}, style.weight * style.size, style.color));
             }
         }
     }
