@@ -16,22 +16,6 @@ using votess::Options;
 }  // namespace
 
 TEST_SUITE("cases") {
-    TEST_CASE("weights: a flat cell's face is that of the seed behind") {
-        // Bisectors of the outer two with the middle one both lie at x = 1/2: the middle cell has no interior.
-        const std::vector<double> weights{0, -0.0625, 0};
-        Options options = test::all_options(test::unit_box());
-        options.weights = weights;
-        for (const auto& points : {Coordinates{0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.5, 0.5},
-                                   Coordinates{0.75, 0.5, 0.5, 0.5, 0.5, 0.5, 0.25, 0.5, 0.5}}) {
-            const auto t = votess::tessellate(points, options);
-            CHECK(t.status()[1] == votess::CellStatus::empty);
-            CHECK(t.stats().empty_cells == 1);
-            CHECK(std::ranges::count(t.neighbors(0), 2) == 1);
-            CHECK(std::ranges::count(t.neighbors(0), 1) == 0);
-            CHECK(test::check_right(points, options) == "");
-        }
-    }
-
     TEST_CASE("weights: seeds at one place") {
         const Coordinates points{0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5};
         const std::vector<double> weights{0.01, 0.02, 0, 0.02};
