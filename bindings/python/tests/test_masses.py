@@ -147,15 +147,6 @@ class Exact(unittest.TestCase):
                         if other >= 0:
                             self.assertAlmostEqual(mass, float(faces[other]), delta=1e-14)
 
-    def test_fine_sum(self):
-        points, values = uniform(20)[:, :2], image((6, 8), 3)
-        weights = uniform(20)[:, 2] * 0.03
-        t = vt.tessellate(points, box=SQUARE, weights=weights, want="faces,volumes")
-        places = (np.mgrid[0:480, 0:480].reshape(2, -1).T + 0.5) / 480
-        owners = np.argmin(((places[:, None] - points) ** 2).sum(axis=2) - weights, axis=1)
-        sums = np.bincount(owners, values.repeat(80, axis=0).repeat(60, axis=1).ravel() / 480**2, minlength=20)
-        np.testing.assert_allclose(t.masses(values).masses, sums, atol=5e-5)
-
     def test_layers(self):
         """Faces between boxes of the grid have the mean of both sides."""
         t = vt.tessellate([(0.25, 0.5), (0.75, 0.5)], box=SQUARE, want="faces,volumes")

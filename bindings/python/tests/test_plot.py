@@ -56,16 +56,6 @@ class Sections(unittest.TestCase):
                 middle[others[axis]] = polygon.mean(axis=0)
                 self.assertEqual(np.argmin(((points - middle) ** 2).sum(axis=1)), cell)
 
-    def test_lattice(self):
-        points = np.stack(np.meshgrid(*[np.arange(4) + 0.5] * 3), axis=-1).reshape(-1, 3)
-        t = vt.tessellate(points, box=(0, 0, 0, 4, 4, 4), want=WANT)
-        cells, polygons = _plot.section(t, 2, 1.25)
-        self.assertEqual(sorted(cells), [i for i in range(64) if points[i, 2] == 1.5])
-        for cell, polygon in zip(cells, polygons):
-            self.assertEqual(polygon.shape, (4, 2))
-            np.testing.assert_allclose(polygon.mean(axis=0), points[cell, :2])
-            self.assertAlmostEqual(area(polygon), 1)
-
     def test_periodic_images_fill_the_box(self):
         sheared = np.array([[1.0, 0, 0], [0.3, 1, 0], [0.2, 0.4, 1]])
         for domain, size in (({"box": BOX, "periodic": True}, np.eye(3)), ({"cell": sheared}, sheared)):

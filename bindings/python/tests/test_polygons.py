@@ -274,14 +274,6 @@ class Polygons(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "too deep"):
             as_mesh(nested)
 
-    def test_fits_and_lloyd(self):
-        random = np.random.default_rng(4)
-        points = random.uniform((0, 0), (4, 0.5), (30, 2))
-        fit = vt.fit_volumes(points, np.full(30, 7.75 / 30), mesh=CITY)
-        np.testing.assert_allclose(fit.tessellation.volumes, 7.75 / 30, rtol=1e-8)
-        relaxed = vt.lloyd(points, mesh=CITY, steps=3)
-        self.assertEqual(relaxed.points.shape, (30, 2))
-
     def test_refusals(self):
         square = [(0, 0), (1, 0), (1, 1), (0, 1)]
         points = [(0.5, 0.5)]

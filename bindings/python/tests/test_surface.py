@@ -1,4 +1,4 @@
-"""surface(), lloyd_on_surface() and remesh(): fractions, the plane, hulls of spheres, sharp edges, bad input."""
+"""surface(), lloyd_on_surface() and remesh(): fractions, the plane, sharp edges, bad input."""
 
 import unittest
 
@@ -110,26 +110,6 @@ class Surface(unittest.TestCase):
             x, y, _ = c.vertices[c.corners[c.polygon_offsets[p] : c.polygon_offsets[p + 1]]].T
             self.assertAlmostEqual((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2, c.polygon_areas[p], delta=1e-15)
         self.assertEqual(len(np.unique(c.vertices, axis=0)), len(c.vertices))
-
-    def test_weights_are_those_of_tessellate(self):
-        rng = np.random.default_rng(2)
-        points, weights = rng.random((100, 2)), rng.random(100) * 0.02
-        t = vt.tessellate(points, box=(0, 0, 1, 1), weights=weights, want="volumes")
-        c = vt.surface(np.c_[points, np.zeros(100)], *SQUARE, weights=weights)
-        np.testing.assert_allclose(c.areas, t.volumes, rtol=0, atol=1e-13)
-        np.testing.assert_array_equal(c.areas, vt.surface(np.c_[points, np.zeros(100)], *SQUARE, weights=weights, threads=1).areas)
-
-    def test_dual_of_a_sphere_is_the_hull(self):
-        seeds = sphere(80)
-        c = vt.surface(seeds, *globe(40, 60))
-        self.assertEqual((len(c.dual), len(c.faults)), (2 * 80 - 4, 0))
-        x = seeds[c.dual]
-        normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-        heights = ((seeds[None] - x[:, :1]) * normals[:, None]).sum(axis=2)
-        np.put_along_axis(heights, c.dual, 0, axis=1)
-        self.assertLessEqual(heights.max(), 0)  # all seeds lie behind each triangle, so it turns outward too
-        edges = directed_edges(c.dual)
-        self.assertEqual(set(edges), {(b, a) for a, b in edges})
 
     def test_faults(self):
         # Two seeds on a tube share two curves, one far above a plate none, and the cap of a globe is bounded by a loop.
