@@ -9,19 +9,11 @@ import unittest
 
 import numpy as np
 from helpers import CUBE
+from helpers import uniform as points
 
 import pyvotess as vt
 
 UNIT = (0, 0, 0, 1, 1, 1)
-
-
-def points(n, seed=1):
-    return np.random.default_rng(seed).random((n, 3))
-
-
-def lattice_of(count, dimensions):
-    axes = [np.arange(float(count))] * dimensions
-    return np.stack(np.meshgrid(*axes), -1).reshape(-1, dimensions)
 
 
 class Tensor:

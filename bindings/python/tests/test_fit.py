@@ -279,18 +279,15 @@ class Transport(unittest.TestCase):
 
     def test_cost_in_a_mesh_in_skewed_cells(self):
         """A lattice of whole numbers has one cost, however skewed its cell is, and costs no more time."""
-        corners = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
-        faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-        triangles = np.array([(f[0], f[k], f[k + 1]) for f in faces for k in (1, 2)])
+        mesh = (0.25 + 0.5 * CUBE[0]) / 512, CUBE[1]
         points = np.random.default_rng(5).random((12, 3))
-        box = vt.tessellate(points, box=UNIT_BOX, periodic=True, want="volumes", device="cpu",
-                            mesh=((0.25 + 0.5 * corners) / 512, triangles))  # fmt: skip
+        box = vt.tessellate(points, box=UNIT_BOX, periodic=True, want="volumes", device="cpu", mesh=mesh)
         expected = vt.transport_cost(box)
         self.assertGreater(expected, 0)
         for s in (1, 7, 30):
             # The place f0 a + f1 b + f2 c of the mesh, from 0.25 to 0.75 of 1/512 along each axis, lies in the cell.
             cell = np.array([(1, 0, 0), (-s, 1, 0), (-s, 0, 1)])
-            t = vt.tessellate(points, cell=cell, want="volumes", device="cpu", mesh=((0.25 + 0.5 * corners) / 512, triangles))
+            t = vt.tessellate(points, cell=cell, want="volumes", device="cpu", mesh=mesh)
             np.testing.assert_allclose(t.volumes, box.volumes, rtol=1e-9, atol=1e-20)
             self.assertAlmostEqual(vt.transport_cost(t) / expected, 1, places=9)
 

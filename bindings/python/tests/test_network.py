@@ -10,7 +10,6 @@ from helpers import CELL, UNIT_BOX, have, lattice, uniform
 
 import pyvotess as vt
 
-FCC = np.array([(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)])
 BCC = np.array([(0, 0, 0), (0.5, 0.5, 0.5)])
 DOMAINS = (
     {"box": UNIT_BOX, "periodic": True},

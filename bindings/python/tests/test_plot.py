@@ -6,7 +6,8 @@ import sys
 import unittest
 
 import numpy as np
-from helpers import ELL, uniform
+from helpers import ELL
+from helpers import uniform as seeds
 from test_export_solvers import torus
 
 import pyvotess as vt
@@ -27,10 +28,6 @@ WANT = ("neighbors", "volumes", "faces")
 def area(polygon):
     x, y = polygon.T
     return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
-
-
-def seeds(count, seed=1):
-    return np.random.default_rng(seed).random((count, 3))
 
 
 class Sections(unittest.TestCase):
@@ -105,7 +102,7 @@ class SectionsInMesh(unittest.TestCase):
         for axis, mesh in (("x", ELL), ("y", torus(24, 10)), ("z", torus(24, 10))):
             k = "xyz".index(axis)
             low, high = mesh[0].min(axis=0), mesh[0].max(axis=0)
-            pieces = vt.tessellate(low + (high - low) * uniform(20), mesh=mesh).pieces()
+            pieces = vt.tessellate(low + (high - low) * seeds(20), mesh=mesh).pieces()
             places = np.linspace(low[k], high[k], 201)
             sums = np.zeros(len(pieces))
             for value in (places[1:] + places[:-1]) / 2:

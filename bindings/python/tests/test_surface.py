@@ -3,17 +3,12 @@
 import unittest
 
 import numpy as np
+from helpers import CUBE
 from surface_oracle import Oracle
 
 import pyvotess as vt
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
-
-
-def cube():
-    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
-    squares = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return corners, [t for a, b, c, d in squares for t in ((a, b, c), (a, c, d))]
 
 
 def sphere(n):
@@ -129,7 +124,7 @@ class Surface(unittest.TestCase):
         np.testing.assert_allclose(c.perimeters, 2 * 24 * np.sin(np.pi / 12), rtol=1e-13)
 
     def test_merge(self):
-        vertices, triangles = cube()
+        vertices, triangles = CUBE
         soup = np.asarray(vertices)[triangles].reshape(-1, 3)
         rows = np.arange(len(soup)).reshape(-1, 3)
         whole, merged = vt.surface(vertices[:2] * 0.9, vertices, triangles), vt.surface(vertices[:2] * 0.9, soup, rows, merge=True)
@@ -147,7 +142,7 @@ class Surface(unittest.TestCase):
         self.assertLess(len(early.moved), 50)
 
     def test_remesh(self):
-        vertices, triangles = cube()
+        vertices, triangles = CUBE
         mesh = vt.remesh(vertices, triangles, 300)
         edges = directed_edges(mesh.triangles)
         self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
@@ -234,7 +229,7 @@ class Surface(unittest.TestCase):
         self.assertLess(off.max(), 1e-12)
 
     def test_remesh_keeps_small_parts_or_reports_them(self):
-        corners, sides = cube()
+        corners, sides = CUBE
         vertices = np.concatenate((corners, 0.05 * corners + [1.2, 0.3, 0.3]))
         mesh = vt.remesh(vertices, np.concatenate((sides, np.add(sides, len(corners)))), 200)
         self.assertEqual((len(mesh.faults), mesh.border_edges, mesh.crowded_edges), (0, 0, 0))
@@ -255,7 +250,7 @@ class Surface(unittest.TestCase):
         turn = np.pi * np.arange(10) / 5
         star = np.where(np.arange(10) % 2, 0.38, 1.0)
         ell = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)]
-        corners, sides = cube()
+        corners, sides = CUBE
         for vertices, triangles, kept in (
             (*SQUARE, 4),
             (ell, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)], 6),
