@@ -13,6 +13,17 @@ namespace {
 using test::Coordinates;
 using votess::Options;
 
+// Proves the diagram in the unit box. Returns how many seeds have no cell.
+std::size_t empty_cells(const Coordinates& points, const std::vector<double>& weights, bool periodic) {
+    Options options;
+    options.box = test::unit_box();
+    options.periodic = {periodic, periodic, periodic};
+    options.weights = weights;
+    const auto t = votess::tessellate(points, options);
+    CHECK(votess::verify(t, points).failure == "");
+    return t.stats().empty_cells;
+}
+
 }  // namespace
 
 TEST_SUITE("cases") {
@@ -205,13 +216,7 @@ TEST_SUITE("cases") {
             for (double& x : points) x = random.uniform();
             for (std::size_t i = 0; i < n; ++i)
                 weights[i] = height * std::sin(2 * pi * points[3 * i]) * std::cos(2 * pi * points[3 * i + 1]);
-            Options options;
-            options.box = test::unit_box();
-            options.periodic = {true, true, true};
-            options.weights = weights;
-            const auto t = votess::tessellate(points, options);
-            CHECK(votess::verify(t, points).failure == "");
-            CHECK((t.stats().empty_cells == 0) == (displaced == 2));
+            CHECK((empty_cells(points, weights, true) == 0) == (displaced == 2));
         }
     }
 
@@ -222,13 +227,7 @@ TEST_SUITE("cases") {
         std::vector<double> weights(n);
         for (double& x : points) x = random.uniform();
         for (double& w : weights) w = random.uniform();
-        Options options;
-        options.box = test::unit_box();
-        options.periodic = {true, true, true};
-        options.weights = weights;
-        const auto t = votess::tessellate(points, options);
-        CHECK(votess::verify(t, points).failure == "");
-        CHECK(t.stats().empty_cells > n / 2);
+        CHECK(empty_cells(points, weights, true) > n / 2);
     }
 
     // All planes pass through 0, so that only seeds on the convex hull have cells, with a corner there.
@@ -264,15 +263,8 @@ TEST_SUITE("cases") {
                 points[i] = clustered ? middle + 0.02 * (random.uniform() - 0.5) : random.uniform();
                 weights[i / 3] += (clustered ? -14 : 1) * (points[i] - middle) * (points[i] - middle);
             }
-            Options options;
-            options.box = test::unit_box();
-            options.weights = weights;
-            for (const bool periodic : {true, false}) {
-                options.periodic = {periodic, periodic, periodic};
-                const auto t = votess::tessellate(points, options);
-                CHECK(votess::verify(t, points).failure == "");
-                CHECK((t.stats().empty_cells > n / 2) == !clustered);
-            }
+            for (const bool periodic : {true, false})
+                CHECK((empty_cells(points, weights, periodic) > n / 2) == !clustered);
         }
     }
 
