@@ -26,10 +26,10 @@ votess::Slice read_slice(const std::string& text) {
 
 void read_size(const std::string& text, votess::PictureOptions& options) {
     constexpr std::uint64_t least = 64, most = 16384;
-    const auto by = text.find('x');
-    const auto width = by == std::string::npos ? std::nullopt : read_uint64(std::string_view(text).substr(0, by));
-    const auto height = by == std::string::npos ? std::nullopt : read_uint64(std::string_view(text).substr(by + 1));
-    if (!width || !height || *width < least || *width > most || *height < least || *height > most) {
+    const auto parts = split(text, 'x');
+    const auto width = read_uint64(parts.front()), height = read_uint64(parts.back());
+    if (parts.size() != 2 || !width || !height || *width < least || *width > most || *height < least ||
+        *height > most) {
         throw bad_input("--image-size must be WIDTHxHEIGHT in pixels, 64 to 16384 each, not " + in_quotes(text));
     }
     options.width = static_cast<std::uint32_t>(*width);
@@ -37,12 +37,9 @@ void read_size(const std::string& text, votess::PictureOptions& options) {
 }
 
 void read_view(const std::string& text, votess::PictureOptions& options) {
-    const auto comma = text.find(',');
-    const auto azimuth =
-        comma == std::string::npos ? std::nullopt : read_double(std::string_view(text).substr(0, comma));
-    const auto elevation =
-        comma == std::string::npos ? std::nullopt : read_double(std::string_view(text).substr(comma + 1));
-    if (!azimuth || !elevation || !(*elevation >= -89 && *elevation <= 89)) {
+    const auto parts = split(text, ',');
+    const auto azimuth = read_double(parts.front()), elevation = read_double(parts.back());
+    if (parts.size() != 2 || !azimuth || !elevation || !(*elevation >= -89 && *elevation <= 89)) {
         throw bad_input("--view must be AZIMUTH,ELEVATION in degrees, the elevation from -89 to 89, not " +
                         in_quotes(text));
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,14 @@ inline constexpr std::string_view blanks = " \t\r\v\f";
 
 [[nodiscard]] constexpr bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+// Returns the index of a name; nothing without it.
+template <class Names>
+[[nodiscard]] std::optional<std::size_t> find_name(const Names& names, std::string_view name) {
+    const auto at = std::ranges::find(names, name);
+    if (at == names.end()) return std::nullopt;
+    return static_cast<std::size_t>(at - names.begin());
 }
 
 inline void split_words(std::string_view line, Words& words) {

@@ -2,146 +2,122 @@
 // distributes the rows.
 #include "mpi/read_share.hpp"
 
+#include <algorithm>
 #include <bit>
-#include <cstring>
 #include <optional>
-#include <span>
+#include <string>
 #include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "files/numbers.hpp"
 
 namespace clvotess {
 namespace {
 
-// Packs what rank 0 has read.
-class Packer {
+// Bytes between ranks. Each function that lists values packs them on rank 0, and takes them out again, in that order,
+// on the others.
+class Pack {
 public:
+    Pack() = default;  // packs
+    explicit Pack(std::vector<char> packed) : bytes_(std::move(packed)), takes_(true) {}
+
     template <class T>
-    void put(std::span<const T> values) {
+    void operator()(T& value) {
         static_assert(std::is_trivially_copyable_v<T>);
-        const std::uint64_t count = values.size();
-        append(&count, sizeof count);
-        append(values.data(), values.size_bytes());
+        copy(&value, sizeof value);
     }
-    void put(const std::string& text) { put(std::span<const char>(text)); }
     template <class T>
-    void put_one(const T& value) {
-        put(std::span<const T>(&value, 1));
+    void operator()(std::vector<T>& values) {
+        resize(values);
+        copy(values.data(), values.size() * sizeof(T));
+    }
+    void operator()(std::string& text) {
+        resize(text);
+        copy(text.data(), text.size());
+    }
+    template <class T>
+    void operator()(std::optional<T>& value) {
+        bool has_value = value.has_value();
+        (*this)(has_value);
+        if (has_value) (*this)(takes_ ? value.emplace() : *value);
+    }
+    void operator()(std::variant<double, std::string>& value) {
+        bool is_text = value.index() == 1;
+        (*this)(is_text);
+        if (takes_ && is_text) value = std::string();
+        std::visit(*this, value);
+    }
+    // Calls use() for each of the values.
+    template <class T, class Use>
+    void each(std::vector<T>& values, const Use& use) {
+        resize(values);
+        for (T& value : values) use(value);
     }
     std::vector<char> take() { return std::move(bytes_); }
 
 private:
-    void append(const void* from, std::size_t count) {
-        if (count > 0)
-            bytes_.insert(bytes_.end(), static_cast<const char*>(from), static_cast<const char*>(from) + count);
+    template <class Values>
+    void resize(Values& values) {
+        std::uint64_t count = values.size();
+        (*this)(count);
+        values.resize(count);
+    }
+    void copy(void* values, std::size_t count) {
+        auto* const bytes = static_cast<char*>(values);
+        if (takes_)
+            std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), count, bytes);
+        else
+            bytes_.insert(bytes_.end(), bytes, bytes + count);
+        at_ += count;
     }
     std::vector<char> bytes_;
-};
-
-class Unpacker {
-public:
-    explicit Unpacker(const std::vector<char>& bytes) : bytes_(bytes) {}
-
-    template <class T>
-    std::vector<T> take() {
-        std::uint64_t count = 0;
-        std::memcpy(&count, bytes_.data() + at_, sizeof count);
-        std::vector<T> values(count);
-        if (count > 0) std::memcpy(values.data(), bytes_.data() + at_ + sizeof count, count * sizeof(T));
-        at_ += sizeof count + count * sizeof(T);
-        return values;
-    }
-    std::string take_text() {
-        const std::vector<char> text = take<char>();
-        return {text.begin(), text.end()};
-    }
-    template <class T>
-    T take_one() {
-        return take<T>()[0];
-    }
-
-private:
-    const std::vector<char>& bytes_;
     std::size_t at_ = 0;
+    bool takes_ = false;
 };
 
-// Packs the properties of the whole file.
-std::vector<char> pack_whole(const Input& input) {
-    Packer pack;
-    const FileDomain& domain = input.domain;
-    pack.put(std::span<const votess::Box>(domain.box ? &*domain.box : nullptr, domain.box ? 1 : 0));
-    pack.put_one(domain.periodic);
-    pack.put_one(domain.periodic_from);
-    pack.put(std::span<const votess::TriclinicBox>(domain.cell ? &*domain.cell : nullptr, domain.cell ? 1 : 0));
-    pack.put(std::span<const votess::Wall>(domain.walls));
-    pack.put_one(std::uint64_t{input.units.size()});
-    for (const auto& [name, value] : input.units) {
-        const auto* const text = std::get_if<std::string>(&value);
-        pack.put(name);
-        pack.put_one(static_cast<char>(text != nullptr));
-        if (text != nullptr)
-            pack.put(*text);
-        else
-            pack.put_one(std::get<double>(value));
-    }
-    pack.put(input.note);
-    pack.put_one(std::uint64_t{input.columns.size()});
-    for (const InputColumn& column : input.columns) {
-        pack.put(column.name);
-        pack.put_one(std::uint64_t{column.width});
-    }
-    pack.put_one(std::uint64_t{input.size()});
-    pack.put_one(std::uint64_t{input.dimensions});
-    return pack.take();
-}
-
-// Returns the number of rows of the file.
-std::uint64_t unpack_whole(const std::vector<char>& bytes, Input& input) {
-    Unpacker unpack(bytes);
+// Lists the properties of the whole file. rows: their number.
+void list_whole(Pack& pack, Input& input, std::uint64_t& rows) {
     FileDomain& domain = input.domain;
-    if (const auto box = unpack.take<votess::Box>(); !box.empty()) domain.box = box[0];
-    domain.periodic = unpack.take_one<std::array<bool, 3>>();
-    domain.periodic_from = unpack.take_one<DomainSource>();
-    if (const auto cell = unpack.take<votess::TriclinicBox>(); !cell.empty()) domain.cell = cell[0];
-    domain.walls = unpack.take<votess::Wall>();
-    for (auto left = unpack.take_one<std::uint64_t>(); left > 0; --left) {
-        Attribute& unit = input.units.emplace_back();
-        unit.name = unpack.take_text();
-        if (unpack.take_one<char>() != 0)
-            unit.value = unpack.take_text();
-        else
-            unit.value = unpack.take_one<double>();
-    }
-    input.note = unpack.take_text();
-    for (auto left = unpack.take_one<std::uint64_t>(); left > 0; --left) {
-        InputColumn& column = input.columns.emplace_back();
-        column.name = unpack.take_text();
-        column.width = unpack.take_one<std::uint64_t>();
-    }
-    const auto rows = unpack.take_one<std::uint64_t>();
-    input.dimensions = unpack.take_one<std::uint64_t>();
-    return rows;
+    pack(domain.box);
+    pack(domain.periodic);
+    pack(domain.periodic_from);
+    pack(domain.cell);
+    pack(domain.walls);
+    pack.each(input.units, [&](Attribute& unit) {
+        pack(unit.name);
+        pack(unit.value);
+    });
+    pack(input.note);
+    pack.each(input.columns, [&](InputColumn& column) {
+        pack(column.name);
+        pack(column.width);
+    });
+    pack(rows);
+    pack(input.dimensions);
 }
 
-template <class T>
-std::span<const T> part(const std::vector<T>& all, std::size_t begin, std::size_t end, std::size_t each) {
-    return all.empty() ? std::span<const T>() : std::span(all).subspan(each * begin, each * (end - begin));
+void list_rows(Pack& pack, Input& rows) {
+    pack(rows.points);
+    pack(rows.ids);
+    for (InputColumn& column : rows.columns) pack(column.values);
 }
 
 std::vector<char> pack_rows(const Input& input, const Share& share) {
-    const std::size_t begin = share.begin(input.size()), end = share.end(input.size());
-    Packer pack;
-    pack.put(part(input.points, begin, end, input.dimensions));
-    pack.put(part(input.ids, begin, end, 1));
-    for (const InputColumn& column : input.columns) pack.put(part(column.values, begin, end, column.width));
+    const std::size_t begin = share.begin(input.size()), count = share.end(input.size()) - begin;
+    const auto part = [&]<class T>(const std::vector<T>& all, std::size_t each) {
+        const auto first = all.begin() + static_cast<std::ptrdiff_t>(all.empty() ? 0 : each * begin);
+        return std::vector<T>(first, first + static_cast<std::ptrdiff_t>(all.empty() ? 0 : each * count));
+    };
+    Input rows;
+    rows.points = part(input.points, input.dimensions);
+    rows.ids = part(input.ids, 1);
+    for (const InputColumn& column : input.columns)
+        rows.columns.push_back({.name = {}, .values = part(column.values, column.width)});
+    Pack pack;
+    list_rows(pack, rows);
     return pack.take();
-}
-
-void unpack_rows(const std::vector<char>& bytes, Input& input) {
-    Unpacker unpack(bytes);
-    input.points = unpack.take<double>();
-    input.ids = unpack.take<std::int64_t>();
-    for (InputColumn& column : input.columns) column.values = unpack.take<double>();
 }
 
 InputShare deal(const Ranks& ranks, const Arguments& arguments) {
@@ -153,16 +129,20 @@ InputShare deal(const Ranks& ranks, const Arguments& arguments) {
         ReadRequest request = arguments.read;
         if (!arguments.threads_given) request.threads = 1;
         all = read_input(arguments.input, request);
-        whole = pack_whole(all);
+        std::uint64_t count = all.size();
+        Pack pack;
+        list_whole(pack, all, count);
+        whole = pack.take();
         for (std::uint64_t r = 0; r < parts; ++r) rows.push_back(pack_rows(all, {r, parts}));
         all = {};
     });
     ranks.broadcast(whole);
-    const std::vector<char> own = ranks.deal(std::move(rows));
+    std::vector<char> own = ranks.deal(std::move(rows));
     InputShare share;
     ranks.together([&] {
-        share.rows = unpack_whole(whole, share.input);
-        unpack_rows(own, share.input);
+        Pack of_file(std::move(whole)), of_rows(std::move(own));
+        list_whole(of_file, share.input, share.rows);
+        list_rows(of_rows, share.input);
     });
     return share;
 }

@@ -13,22 +13,16 @@ std::string name_of(std::string_view name) {
     return (read_uint64(name) ? "column_" : "") + std::string(name);
 }
 
-std::optional<std::size_t> find(const Words& names, const std::string& name) {
-    const auto at = std::ranges::find(names, std::string_view(name));
-    if (at == names.end()) return std::nullopt;
-    return static_cast<std::size_t>(at - names.begin());
-}
-
 // Finds a column by name, or by number from 1.
 std::optional<std::size_t> find_any(const Words& names, const std::string& name) {
-    if (const auto same = find(names, name)) return same;
+    if (const auto same = find_name(names, name)) return same;
     if (const auto number = read_uint64(name); number && *number >= 1 && *number <= names.size()) return *number - 1;
     return std::nullopt;
 }
 
 std::optional<std::size_t> find_species(const Words& names) {
     for (const char* const name : {"species", "element", "symbol", "typelabel", "type"})
-        if (const auto at = find(names, name)) return at;
+        if (const auto at = find_name(names, name)) return at;
     return std::nullopt;
 }
 
@@ -48,11 +42,11 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
     for (std::size_t c = 0; c < request.columns.size(); ++c) {
         const std::string& name = request.columns[c];
         const bool may_be_words = c >= request.first_words;
-        if (!find(names, name) && find(names, name + "_1")) {
+        if (!find_name(names, name) && find_name(names, name + "_1")) {
             Place& place = places_.emplace_back();
             place.name = name;
             for (std::size_t part = 1;; ++part) {
-                const auto at = find(names, name + "_" + std::to_string(part));
+                const auto at = find_name(names, name + "_" + std::to_string(part));
                 if (!at) break;
                 place.at.push_back(*at);
             }
@@ -62,7 +56,7 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
             const std::string number = std::to_string(*at + 1);
             places_.push_back({name_of(names[*at].empty() ? number : names[*at]), {*at}, may_be_words});
         } else if (const auto alias = name == "species" ? find_species(names)
-                                      : name == "type"  ? find(names, "typelabel")
+                                      : name == "type"  ? find_name(names, "typelabel")
                                                         : std::nullopt) {
             places_.push_back({name, {*alias}, may_be_words});
         } else if (!request.columns_may_lack) {

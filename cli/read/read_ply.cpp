@@ -211,11 +211,8 @@ private:
         Words names;
         for (const Property& property : element.properties) names.push_back(property.name);
         const auto at = [&](std::string_view name) -> std::optional<std::size_t> {
-            const auto found = std::find(names.begin(), names.end(), name);
-            if (found == names.end()) return std::nullopt;
-            const auto index = static_cast<std::size_t>(found - names.begin());
-            if (element.properties[index].count_type) return std::nullopt;
-            return index;
+            const auto found = find_name(names, name);
+            return found && element.properties[*found].count_type ? std::nullopt : found;
         };
         std::vector<std::string> axes = request_.coordinates;
         if (axes.empty()) axes = {"x", "y"};

@@ -333,11 +333,7 @@ private:
         return numbers ? std::vector<std::string>() : names;
     }
 
-    [[nodiscard]] std::optional<std::size_t> named(std::string_view name) const {
-        const auto at = std::ranges::find(names_, name);
-        if (at == names_.end()) return std::nullopt;
-        return static_cast<std::size_t>(at - names_.begin());
-    }
+    [[nodiscard]] std::optional<std::size_t> named(std::string_view name) const { return find_name(names_, name); }
 
     // Returns the names of the coordinates. Only names of x and y, the id and requested columns mean two dimensions.
     [[nodiscard]] std::vector<std::string> axis_names() const {

@@ -17,44 +17,6 @@ std::span<const double> areas_of(const votess::Tessellation& t, std::size_t i) {
 }  // namespace
 
 TEST_SUITE("cases") {
-    TEST_CASE("areas: the unit cubes of a lattice") {
-        const auto t = test::run(test::cubic(6));
-        CHECK(t.face_areas().size() == 6 * 216);
-        for (const double area : t.face_areas()) REQUIRE(area == 1);
-    }
-
-    TEST_CASE("areas: faces of the BCC and FCC lattices") {
-        // In the cube of side 2 around a point of BCC: 8 hexagons, edges sqrt(2) / 2, and 6 squares.
-        const test::PointSet bcc = test::bcc(6);
-        const auto t = test::run(bcc);
-        std::size_t inner = 0;
-        for (std::size_t i = 0; i < t.size(); ++i) {
-            const auto row = t.neighbors(i);
-            if (row.size() != 14 || row[0] < 0) continue;
-            ++inner;
-            double least = 1e300, most = 0;
-            for (const double area : areas_of(t, i)) least = std::min(least, area), most = std::max(most, area);
-            // Edge e: squares e^2, hexagons 3 sqrt(3) / 2 e^2.
-            CHECK(std::abs(most / least - 1.5 * std::sqrt(3.0)) <= 1e-13);
-        }
-        CHECK(inner > 0);
-        const auto fcc = test::run(test::fcc(6));  // rhombic dodecahedra: all faces alike
-        inner = 0;
-        for (std::size_t i = 0; i < fcc.size(); ++i) {
-            const auto row = fcc.neighbors(i);
-            if (row.size() != 12 || row[0] < 0) continue;
-            ++inner;
-            for (const double area : areas_of(fcc, i)) CHECK(std::abs(area - areas_of(fcc, i)[0]) <= 1e-14 * area);
-        }
-        CHECK(inner > 0);
-    }
-
-    TEST_CASE("areas: a seed on three walls of the box") {
-        const auto t =
-            votess::tessellate(std::array{0.0, 2.0, 0.0}, test::all_options(votess::Box{{0, 0, 0}, {1, 2, 4}}));
-        CHECK(std::ranges::equal(t.face_areas(), std::array{2.0, 2.0, 4.0, 4.0, 8.0, 8.0}));
-    }
-
     TEST_CASE("areas: coordinates times a power of two") {
         const test::PointSet set = test::uniform(test::by_size(2000, 300), 31);
         const auto t = test::run(set);

@@ -73,17 +73,4 @@ TEST_SUITE("cases") {
         REQUIRE(t.duplicate_of().size() == 3);
         CHECK(t.duplicate_of()[2] == 0);
     }
-
-    TEST_CASE("many copies of few seeds") {
-        const test::PointSet base = test::uniform(8, 33);
-        test::PointSet set{"copies", {}, base.box};
-        for (std::size_t i = 0; i < test::by_size(4000, 800); ++i) {
-            const std::size_t j = 3 * (i * 5 % 8);
-            set.points.insert(set.points.end(), {base.points[j], base.points[j + 1], base.points[j + 2]});
-        }
-        const auto t = test::run(set);
-        CHECK(test::check_invariants(t, set.points) == "");
-        CHECK(t.stats().duplicates == set.size() - 8);
-        for (std::size_t i = 8; i < set.size(); ++i) REQUIRE(t.duplicate_of()[i] == static_cast<std::int32_t>(i % 8));
-    }
 }

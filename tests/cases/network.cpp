@@ -135,22 +135,6 @@ TEST_CASE("network: interstitial sites of BCC and FCC") {
     }
 }
 
-TEST_CASE("network: radii are distances to the nearest seed") {
-    const Case c(test::uniform(60, 4).points, periodic_cube(1));
-    for (std::size_t v = 0; v < c.n.vertices.size(); ++v) {
-        double nearest = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < c.points.size(); i += 3) {
-            double square = 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const double d = c.n.points[3 * v + k] - c.points[i + k];
-                square += (d - std::round(d)) * (d - std::round(d));
-            }
-            nearest = std::min(nearest, std::sqrt(square));
-        }
-        CHECK(std::abs(c.n.vertex_radii[v] - nearest) < 1e-13);
-    }
-}
-
 // Small spheres and some large ones, by definition.
 TEST_CASE("network: radii are distances to the nearest surface") {
     for (int trial = 0; trial < 16; ++trial) {

@@ -262,17 +262,6 @@ TEST_SUITE("cases") {
             CHECK(t.volumes()[from[i]] == doctest::Approx(same.volumes()[i]).epsilon(1e-14));
     }
 
-    // Walls and box both drop seeds; the first seed is not in the domain that both leave.
-    TEST_CASE("outside: of a box with more walls") {
-        Options options = dropping();
-        options.walls.push_back({{1, 0, 0}, 0.75});
-        const Coordinates points{-0.5, 0.5, 0.5, 0.9, 0.5, 0.5, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5};
-        const auto t = votess::tessellate(points, options);
-        CHECK(t.stats().empty_cells == 2);
-        CHECK(t.stats().box_volume == doctest::Approx(0.75).epsilon(1e-14));
-        CHECK(test::check_right(points, options) == "");
-    }
-
     TEST_CASE("outside: of a cell it is decided exactly") {
         // The wall across c goes through (1/3, 1/3, 1) as rounded: its normal has no doubles.
         Options options = test::all_options();

@@ -172,21 +172,6 @@ TEST_SUITE("cases") {
         CHECK(test::check_right({0, 0, 0, 1, 1, 0}, sheared) == "");
     }
 
-    TEST_CASE("periodic: tilted cells of high aspect") {
-        test::Random random(4);
-        for (const double tilt : {-0.45, 0.45}) {
-            const Options options =
-                cell_options({{0.1, 0.2, 0.3}, {20, 0, 0}, {20 * tilt, 1, 0}, {20 * tilt, tilt, 1}});
-            for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(300, 60)}) {
-                Coordinates points(3 * n);
-                for (double& x : points) x = random.uniform(0, 20);
-                CAPTURE(tilt);
-                CAPTURE(n);
-                CHECK(test::check_right(points, options) == "");
-            }
-        }
-    }
-
     // Rows without normals were read from behind the seeds.
     TEST_CASE("periodic: in a skewed cell some images have no shift") {
         Options options = cell_options({{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {7.3, 5.2, 1}});

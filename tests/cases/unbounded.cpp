@@ -495,22 +495,6 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("unbounded: some cells are those of the full run") {
-        const auto set = test::uniform(5000, 8);
-        Options options = endless_options();
-        const auto all = votess::tessellate(set.points, options);
-        std::vector<std::int64_t> ids;
-        for (std::int64_t i = 0; i < 5000; i += 50) ids.push_back(i);
-        options.only = ids;
-        const auto some = votess::tessellate(set.points, options);
-        for (std::size_t k = 0; k < ids.size(); ++k) {
-            const auto i = static_cast<std::size_t>(ids[k]);
-            CHECK(test::row_of(some, k) == test::row_of(all, i));
-            CHECK((some.volumes()[k] == all.volumes()[i] ||
-                   std::abs(some.volumes()[k] - all.volumes()[i]) <= 1e-10 * all.volumes()[i]));
-        }
-    }
-
     // By rows in a box that ends far away: seeds in one plane or on one line have prisms and slabs as cells.
     TEST_CASE("unbounded: periodic along some axes, seeds in a plane or nearly, and some beside it") {
         using Vector = std::array<double, 3>;

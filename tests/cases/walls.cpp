@@ -45,14 +45,6 @@ double excess(const std::vector<votess::Wall>& walls, const votess::Box& box, co
 }  // namespace
 
 TEST_SUITE("cases") {
-    TEST_CASE("walls: an octahedron through corners of cells, with seeds on it") {
-        Options options = test::all_options(test::cube(-2, 2));
-        for (const double x : {-1, 1})
-            for (const double y : {-1, 1})
-                for (const double z : {-1, 1}) options.walls.push_back({{x, y, z}, 1});
-        CHECK(test::check_right({0, 0, 0, 0.5, 0, 0, 0, 0.5, 0, 0.25, 0.25, 0.5, -0.5, 0, 0, 1, 0, 0}, options) == "");
-    }
-
     TEST_CASE("walls: without a box a polyhedron is its own bounds") {
         Options options = test::all_options();
         const double ulp = 0x1p-52;

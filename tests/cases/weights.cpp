@@ -13,25 +13,20 @@ namespace {
 using test::Coordinates;
 using votess::Options;
 
+// Proves the diagram in the unit box. Returns how many seeds have no cell.
+std::size_t empty_cells(const Coordinates& points, const std::vector<double>& weights, bool periodic) {
+    Options options;
+    options.box = test::unit_box();
+    options.periodic = {periodic, periodic, periodic};
+    options.weights = weights;
+    const auto t = votess::tessellate(points, options);
+    CHECK(votess::verify(t, points).failure == "");
+    return t.stats().empty_cells;
+}
+
 }  // namespace
 
 TEST_SUITE("cases") {
-    TEST_CASE("weights: a flat cell's face is that of the seed behind") {
-        // Bisectors of the outer two with the middle one both lie at x = 1/2: the middle cell has no interior.
-        const std::vector<double> weights{0, -0.0625, 0};
-        Options options = test::all_options(test::unit_box());
-        options.weights = weights;
-        for (const auto& points : {Coordinates{0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.5, 0.5},
-                                   Coordinates{0.75, 0.5, 0.5, 0.5, 0.5, 0.5, 0.25, 0.5, 0.5}}) {
-            const auto t = votess::tessellate(points, options);
-            CHECK(t.status()[1] == votess::CellStatus::empty);
-            CHECK(t.stats().empty_cells == 1);
-            CHECK(std::ranges::count(t.neighbors(0), 2) == 1);
-            CHECK(std::ranges::count(t.neighbors(0), 1) == 0);
-            CHECK(test::check_right(points, options) == "");
-        }
-    }
-
     TEST_CASE("weights: seeds at one place") {
         const Coordinates points{0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5};
         const std::vector<double> weights{0.01, 0.02, 0, 0.02};
@@ -221,13 +216,7 @@ TEST_SUITE("cases") {
             for (double& x : points) x = random.uniform();
             for (std::size_t i = 0; i < n; ++i)
                 weights[i] = height * std::sin(2 * pi * points[3 * i]) * std::cos(2 * pi * points[3 * i + 1]);
-            Options options;
-            options.box = test::unit_box();
-            options.periodic = {true, true, true};
-            options.weights = weights;
-            const auto t = votess::tessellate(points, options);
-            CHECK(votess::verify(t, points).failure == "");
-            CHECK((t.stats().empty_cells == 0) == (displaced == 2));
+            CHECK((empty_cells(points, weights, true) == 0) == (displaced == 2));
         }
     }
 
@@ -238,13 +227,7 @@ TEST_SUITE("cases") {
         std::vector<double> weights(n);
         for (double& x : points) x = random.uniform();
         for (double& w : weights) w = random.uniform();
-        Options options;
-        options.box = test::unit_box();
-        options.periodic = {true, true, true};
-        options.weights = weights;
-        const auto t = votess::tessellate(points, options);
-        CHECK(votess::verify(t, points).failure == "");
-        CHECK(t.stats().empty_cells > n / 2);
+        CHECK(empty_cells(points, weights, true) > n / 2);
     }
 
     // All planes pass through 0, so that only seeds on the convex hull have cells, with a corner there.
@@ -280,15 +263,8 @@ TEST_SUITE("cases") {
                 points[i] = clustered ? middle + 0.02 * (random.uniform() - 0.5) : random.uniform();
                 weights[i / 3] += (clustered ? -14 : 1) * (points[i] - middle) * (points[i] - middle);
             }
-            Options options;
-            options.box = test::unit_box();
-            options.weights = weights;
-            for (const bool periodic : {true, false}) {
-                options.periodic = {periodic, periodic, periodic};
-                const auto t = votess::tessellate(points, options);
-                CHECK(votess::verify(t, points).failure == "");
-                CHECK((t.stats().empty_cells > n / 2) == !clustered);
-            }
+            for (const bool periodic : {true, false})
+                CHECK((empty_cells(points, weights, periodic) > n / 2) == !clustered);
         }
     }
 

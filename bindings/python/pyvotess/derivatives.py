@@ -25,10 +25,9 @@ def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
     if t.shifts is not None:
         raise ValueError("derivatives() in a mesh need a domain that does not repeat: leave out periodic= or mesh=")
     pieces = t.pieces()  # type: ignore[attr-defined]
-    piece = np.repeat(np.arange(len(pieces)), np.diff(pieces.triangle_offsets))
     inner = ~pieces.on_surface
-    i, j = pieces.cells[piece[inner]], pieces.sources[inner].astype(np.int64)
-    corners = pieces.vertices[pieces.triangles[inner] + pieces.vertex_offsets[piece[inner], None]]
+    i, j = pieces.cells[pieces._piece_of[inner]], pieces.sources[inner].astype(np.int64)
+    corners = pieces.vertices[pieces._corners[inner]]
     along = corners[:, 1] - corners[:, 0]
     size = places.shape[1]
     area = np.linalg.norm(along if size == 2 else 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]), axis=1)

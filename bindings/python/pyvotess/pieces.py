@@ -85,6 +85,16 @@ class Pieces:
         """Whether the pieces are polygons of the plane."""
         return bool(self.vertices.shape[1] == 2)
 
+    @property
+    def _piece_of(self) -> Int64Array:
+        """(T,) the piece of each triangle."""
+        return np.repeat(np.arange(len(self)), np.diff(self.triangle_offsets))
+
+    @property
+    def _corners(self) -> Int64Array:
+        """(T, 3) the corners of triangles, counted from the first vertex of all pieces."""
+        return self.triangles + self.vertex_offsets[self._piece_of, None]
+
     def rings(self, index: int) -> List[Float64Array]:
         """Returns the rings of a piece of the plane: (n, 2) places each, the outline counterclockwise, holes clockwise.
 

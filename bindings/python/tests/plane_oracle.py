@@ -61,6 +61,30 @@ def cross(a, b, c):
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
+def cut(polygon, a, b, h):
+    """Returns the part of a polygon where a x + b y <= h."""
+    sides = [a * x + b * y - h for x, y in polygon]
+    part = []
+    for k, (x, y) in enumerate(polygon):
+        (u, v), s, before = polygon[k - 1], sides[k], sides[k - 1]
+        if (s > 0) != (before > 0):
+            share = before / (before - s)
+            part.append((u + share * (x - u), v + share * (y - v)))
+        if s <= 0:
+            part.append((x, y))
+    return part
+
+
+def moments(polygon):
+    """Returns the integrals of 1, x, y and x^2 + y^2."""
+    sums = [Fraction(0)] * 4
+    for (a, b), (c, d) in zip(polygon, polygon[1:] + polygon[:1]):
+        twice = a * d - b * c
+        terms = (twice / 2, twice * (a + c) / 6, twice * (b + d) / 6, twice * (a * a + a * c + c * c + b * b + b * d + d * d) / 12)
+        sums = [s + t for s, t in zip(sums, terms)]
+    return sums
+
+
 def simplices_of(dual):
     """Returns triangles and polygons as lists of (seed, shift), and their vertices."""
     found = []

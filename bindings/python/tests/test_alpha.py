@@ -1,37 +1,12 @@
-"""alpha_complex(): arrays, order, faces, copies of a box, Betti numbers, GUDHI where installed, bad input."""
+"""alpha_complex(): arrays, order, faces, slabs, GUDHI where installed, bad input. C++ has the exact ones (tests/cases/alpha.cpp)."""
 
 import pickle
 import unittest
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, have, lattice, uniform
+from helpers import UNIT_BOX, have, lattice, uniform
 
 import pyvotess as vt
-
-
-def rank(rows):
-    """Returns the rank of a matrix over the field of two elements. rows: sets of columns."""
-    pivots = {}
-    for row in rows:
-        row = set(row)
-        while row:
-            pivot = max(row)
-            if pivot not in pivots:
-                pivots[pivot] = row
-                break
-            row ^= pivots[pivot]
-    return len(pivots)
-
-
-def betti(a):
-    """Returns the Betti numbers of all simplices together."""
-    numbers = [{tuple(s): n for n, s in enumerate(rows.tolist())} for rows in a.simplices]
-    ranks = [0]
-    for k in range(1, 4):
-        faces = [[numbers[k - 1][s[:i] + s[i + 1 :]] for i in range(k + 1)] for s in numbers[k]]
-        ranks.append(rank(faces))
-    ranks.append(0)
-    return [len(numbers[k]) - ranks[k] - ranks[k + 1] for k in range(4)]
 
 
 class AlphaComplex(unittest.TestCase):
@@ -50,66 +25,12 @@ class AlphaComplex(unittest.TestCase):
                     self.assertLessEqual(values[tuple(s[:i] + s[i + 1 :])], v)
 
     def test_space(self):
-        points = uniform(200)
-        a = vt.tessellate(points, box="none", want="faces").alpha_complex()
+        a = vt.tessellate(uniform(200), box="none", want="faces").alpha_complex()
         self.check_order(a)
         self.assertIsNone(a.shifts)
-        self.assertEqual(betti(a), [1, 0, 0, 0])
-        np.testing.assert_array_equal(a.values[0], 0)
-        i, j = a.simplices[1].T
-        lengths = np.sum((points[i] - points[j]) ** 2, axis=1)
-        np.testing.assert_allclose(a.values[1][a.gabriel[1]], lengths[a.gabriel[1]] / 4, rtol=1e-12)
-        self.assertTrue((a.values[1][~a.gabriel[1]] > lengths[~a.gabriel[1]] / 4).all())
-        middle = (points[i] + points[j]) / 2
-        nearest = np.sum((middle[:, None] - points) ** 2, axis=2).min(axis=1)
-        np.testing.assert_array_equal(a.gabriel[1], nearest >= lengths / 4 - 1e-12)
-        self.assertTrue(a.gabriel[3].all())
-        for options in ({}, {"box": UNIT_BOX, "want": "volumes"}, {"want": "faces", "min_face": 0.1}):
-            other = vt.tessellate(points, **options).alpha_complex()
-            for k in range(4):
-                np.testing.assert_array_equal(other.simplices[k], a.simplices[k])
-                np.testing.assert_array_equal(other.values[k], a.values[k])
         copied = pickle.loads(pickle.dumps(a))
         np.testing.assert_array_equal(copied.values[2], a.values[2])
         self.assertIn("200, ", repr(a))
-
-    def test_torus(self):
-        for points, domain, replicate in (
-            (uniform(60), {"box": UNIT_BOX}, 1),
-            (uniform(5), {"cell": CELL}, (2, 3, 3)),
-            (np.zeros((1, 3)), {"box": UNIT_BOX}, 3),
-            (lattice(3), {"box": (0, 0, 0, 3, 3, 3), "weights": np.arange(27) % 2 * 0.25}, 1),
-        ):
-            t = vt.tessellate(points, periodic=True, want="faces", **domain)
-            a = t.alpha_complex(replicate)
-            self.check_order(a)
-            self.assertEqual(len(a.simplices[0]), len(points) * np.prod(np.broadcast_to(replicate, 3)))
-            self.assertEqual(betti(a), [1, 3, 3, 1])
-            self.assertEqual(a.shifts[2].shape, (len(a.simplices[2]), 3, 3))
-            self.assertFalse(a.shifts[2][:, 0].any())
-
-    def test_weights(self):
-        points, weights = uniform(100), uniform(100, seed=2)[:, 0] * 0.1
-        a = vt.tessellate(points, weights=weights).alpha_complex()
-        self.check_order(a)
-        seeds = a.simplices[0][:, 0]
-        self.assertLess(len(seeds), 100)  # some are hidden
-        own = a.gabriel[0]
-        np.testing.assert_array_equal(a.values[0][own], -weights[seeds][own])
-        self.assertTrue((a.values[0][~own] > -weights[seeds][~own]).all())
-
-    def test_plane(self):
-        points = uniform(80) * (1, 1, 0)
-        a = vt.tessellate(points).alpha_complex()
-        self.check_order(a)
-        self.assertEqual(len(a.simplices[3]), 0)
-        self.assertEqual(betti(a), [1, 0, 0, 0])
-        circles = (points[a.simplices[2]] - points[a.simplices[2][:, :1]])[:, 1:, :2]
-        square = np.einsum("nik,nik->ni", circles, circles)
-        center = np.linalg.solve(2 * circles, square[:, :, None])[:, :, 0]
-        np.testing.assert_allclose(np.sum(center**2, axis=1), a.values[2], rtol=1e-9)
-        near = np.sum((points[:, :2] - center[:, None] - points[a.simplices[2][:, 0], None, :2]) ** 2, axis=2).min(axis=1)
-        np.testing.assert_allclose(near, a.values[2], rtol=1e-9)  # empty
 
     def test_filtration(self):
         a = vt.tessellate(lattice(3), want="faces", box="none").alpha_complex()

@@ -107,21 +107,11 @@ class Atoms(unittest.TestCase):
                     np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices)
                     np.testing.assert_allclose(t.volumes, expected.volumes, rtol=1e-12)
 
-    def test_slab(self):
+    def test_periodic_overrides_the_atoms(self):
         positions, cell = fcc111_slab()
-        t = vt.from_ase(looks_like("ase", positions, cell, (True, True, False)), min_face=1e-6, list_walls=True)
-        self.assertEqual(t.periodic, (True, True, False))
-        counts = np.array([np.count_nonzero(row >= 0) for row in t.neighbors])
-        self.assertTrue(np.all(counts[16:-16] == 12))
-        self.assertTrue(t.verify())
-        layer = np.repeat(np.arange(6), 16)
-        pairs = t.pairs()
-        self.assertLessEqual(np.abs(layer[pairs.i] - layer[pairs.j]).max(), 2)
-        self.assertFalse(pairs.shift[:, 2].any())
-        self.assertEqual({int(w) for w in t.neighbors.indices[t.neighbors.indices < 0]}, {-5, -6})
-        # The option periodic overrides the atoms; without either the cell has walls.
-        self.assertEqual(vt.from_ase(looks_like("ase", positions, cell, (True, True, False)), periodic=True).periodic,
-                         (True, True, True))
+        atoms = looks_like("ase", positions, cell, (True, True, False))
+        self.assertEqual(vt.from_ase(atoms).periodic, (True, True, False))
+        self.assertEqual(vt.from_ase(atoms, periodic=True).periodic, (True, True, True))
 
     def test_surface_without_vacuum(self):
         positions = alloy(50)

@@ -99,35 +99,6 @@ class Differences(unittest.TestCase):
 
 
 class Identities(unittest.TestCase):
-    def test_sums(self):
-        """The volumes fill the box, and centroids follow a translation of all seeds."""
-        weights = 0.004 * uniform(SEEDS, seed=7)[:, 0]
-        for options in ({}, {"weights": weights}):
-            t = autodiff.forward(uniform(SEEDS), box=UNIT_BOX, periodic=True, **options)
-            for values in autodiff.vjp(t, volumes=np.ones(SEEDS)):
-                self.assertLess(np.abs(values).max(), 1e-13)
-            given = cotangents(t)
-            for name, expected in (("volumes", 0), ("areas", 0), ("centroids", given["centroids"].sum(axis=0))):
-                by_points, by_weights = autodiff.vjp(t, **{name: given[name]})
-                self.assertLess(np.abs(by_points.sum(axis=0) - expected).max(), 1e-11, name)
-                self.assertLess(abs(by_weights.sum()), 1e-11, name)
-
-    def test_scale(self):
-        """A cell without walls scales with all seeds: its volume by the third power, in the plane by the second."""
-        for size, box in ((3, UNIT_BOX), (2, SQUARE)):
-            points = uniform(400)[:, :size] - 0.5
-            weights = 0.001 * uniform(400, seed=7)[:, 0]
-            t = autodiff.forward(points, weights=weights, box=np.repeat((-0.5, 0.5), size))
-            inner = np.array([len(row) > 0 and row.min() >= 0 for row in t.neighbors])
-            self.assertGreater(inner.sum(), 50)
-            of_face = np.repeat(inner, np.diff(t.indptr))
-            for name, power, chosen in (("volumes", size, inner), ("areas", size - 1, of_face), ("centroids", 1, inner)):
-                given = np.where(chosen if name != "centroids" else chosen[:, None], cotangents(t)[name], 0)
-                by_points, by_weights = autodiff.vjp(t, **{name: given})
-                rate = (by_points * points).sum() + 2 * (by_weights * weights).sum()
-                expected = power * np.nansum(given * getattr(t, name))
-                self.assertAlmostEqual(rate, expected, delta=1e-9 * np.abs(given).sum(), msg=f"{name}, {size}")
-
     @have("scipy")
     def test_matrices(self):
         for points, options in (

@@ -108,32 +108,6 @@ class Packages(unittest.TestCase):
         with self.assertRaisesRegex(AttributeError, "'areas' into want"):
             vt.tessellate(points).to_freud()
 
-    def test_missing(self):
-        t = cells()
-        for method, module, install in (
-            (t.to_pyvista, "pyvista", "pyvista"), (t.to_dataframe, "pandas", "pandas"),
-            (t.to_networkx, "networkx", "networkx"), (t.to_freud, "freud", "freud-analysis"),
-            (t.alpha_complex().to_gudhi, "gudhi", "gudhi"),
-        ):
-            with mock.patch.dict(sys.modules, {module: None}):
-                says = rf"{method.__name__}\(\) needs {module}: pip install {install}"
-                with self.assertRaisesRegex(ImportError, says):
-                    method()
-
-
-class DLPack(unittest.TestCase):
-    @unittest.skipUnless(hasattr(np, "from_dlpack"), "NumPy before 1.23 has no DLPack")
-    def test_numpy(self):
-        t = cells()
-        if np.lib.NumpyVersion(np.__version__) >= "2.1.0":
-            shared = np.from_dlpack(t.volumes)
-            self.assertTrue(np.shares_memory(shared, t.volumes))
-            self.assertFalse(shared.flags.writeable)
-        else:  # older DLPack cannot mark an array as read-only
-            with self.assertRaises((BufferError, TypeError)):
-                np.from_dlpack(t.volumes)
-        np.testing.assert_array_equal(np.from_dlpack(t.volumes.copy()), t.volumes)
-
 
 class Missing(unittest.TestCase):
     def test_packages_are_named(self):

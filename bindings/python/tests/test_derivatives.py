@@ -100,19 +100,6 @@ class Derivatives(unittest.TestCase):
                 self.assertEqual(np.diff(of_areas.indptr)[~rows].sum(), 0)
 
     @have("scipy")
-    def test_sums(self):
-        t = vt.tessellate(uniform(SEEDS), box=UNIT_BOX, periodic=True, want="faces,volumes")
-        matrix = t.derivatives()
-        self.assertEqual(matrix.shape, (SEEDS, 3 * SEEDS))
-        # The volumes always fill the box, and nothing changes when all seeds move alike.
-        self.assertLess(np.abs(matrix.sum(axis=0)).max(), 1e-13)
-        for axis in range(3):
-            self.assertLess(np.abs(matrix[:, axis::3].sum(axis=1)).max(), 1e-13)
-        by_weights = t.derivatives(by="weights")
-        self.assertLess(np.abs(by_weights - by_weights.T).max(), 1e-13)
-        self.assertLess(np.abs(by_weights.sum(axis=1)).max(), 1e-13)
-
-    @have("scipy")
     def test_areas_suffice_for_weights(self):
         points, weights = uniform(SEEDS), 0.01 * np.random.default_rng(4).random(SEEDS)
         for periodic in (False, True):

@@ -9,19 +9,11 @@ import unittest
 
 import numpy as np
 from helpers import CUBE
+from helpers import uniform as points
 
 import pyvotess as vt
 
 UNIT = (0, 0, 0, 1, 1, 1)
-
-
-def points(n, seed=1):
-    return np.random.default_rng(seed).random((n, 3))
-
-
-def lattice_of(count, dimensions):
-    axes = [np.arange(float(count))] * dimensions
-    return np.stack(np.meshgrid(*axes), -1).reshape(-1, dimensions)
 
 
 class Tensor:
@@ -54,15 +46,6 @@ class Scene:
 
 
 class Domains(unittest.TestCase):
-    def test_one_seed_in_a_periodic_cube(self):
-        t = vt.tessellate([[0.1, 0.7, 0.3]], box=UNIT, periodic=True, device="cpu")
-        self.assertEqual(t.neighbors[0].tolist(), [0] * 6)
-        self.assertEqual(t.shifts.dtype, np.int8)
-        self.assertEqual(sorted(map(tuple, t.shifts.tolist())), sorted(
-            (sign if k == 0 else 0, sign if k == 1 else 0, sign if k == 2 else 0) for k in range(3) for sign in (-1, 1)
-        ))
-        self.assertAlmostEqual(t.volumes[0], 1, places=13)
-
     def test_periodic_axes_by_word_and_by_flags(self):
         a = vt.tessellate(points(200), box=UNIT, periodic="xz", list_walls=True, device="cpu")
         b = vt.tessellate(points(200), box=UNIT, periodic=(True, False, True), list_walls=True, device="cpu")
@@ -70,40 +53,6 @@ class Domains(unittest.TestCase):
         np.testing.assert_array_equal(a.shifts, b.shifts)
         self.assertEqual(set(a.neighbors.indices[a.neighbors.indices < 0]), {-3, -4})
         self.assertTrue(a.verify())
-
-    def test_lists_are_symmetric_with_opposite_shifts(self):
-        t = vt.tessellate(points(300), cell=[(1, 0, 0), (0.4, 1, 0), (-0.3, 0.2, 1)], origin=(1, 2, 3), device="cpu")
-        rows = np.repeat(np.arange(len(t)), np.diff(t.neighbors.indptr))
-        faces = set(zip(rows.tolist(), t.neighbors.indices.tolist(), map(tuple, t.shifts.tolist())))
-        for i, j, shift in faces:
-            self.assertIn((j, i, tuple(-s for s in shift)), faces)
-        self.assertAlmostEqual(t.stats.volume_sum, 1, places=12)
-        self.assertTrue(t.verify())
-
-    def test_shifts_exist_in_periodic_domains_only(self):
-        self.assertIsNone(vt.tessellate(points(10)).shifts)
-
-    def test_weights_and_radii(self):
-        radii = np.random.default_rng(2).random(500) * 0.1
-        a = vt.tessellate(points(500), radii=radii, device="cpu")
-        b = vt.tessellate(points(500), weights=radii**2, device="cpu")
-        np.testing.assert_array_equal(a.neighbors.indices, b.neighbors.indices)
-        np.testing.assert_array_equal(a.weights, b.weights)
-        self.assertGreater(a.stats.empty_cells, 0)
-        empty = a.status == vt.CellStatus.EMPTY
-        self.assertEqual(int(empty.sum()), a.stats.empty_cells)
-        self.assertTrue((a.volumes[empty] == 0).all())
-        self.assertTrue(a.verify())
-
-    def test_walls(self):
-        p = points(500)
-        t = vt.tessellate(p, box=UNIT, walls=[(1, 1, 1, 1.5)], outside="drop", list_walls=True, device="cpu")
-        np.testing.assert_array_equal(t.status == vt.CellStatus.OUTSIDE, p.sum(axis=1) > 1.5)
-        self.assertIn(-7, t.neighbors.indices)
-        self.assertAlmostEqual(t.stats.box_volume, 0.5, places=12)
-        self.assertTrue(t.verify())
-        np.testing.assert_array_equal(t.walls, [(1, 1, 1, 1.5)])
-        self.assertEqual(t.periodic, (False, False, False))
 
     def test_the_result_tells_its_domain(self):
         cell = [(1, 0, 0), (0.4, 1, 0), (-0.3, 0.2, 1)]
@@ -132,10 +81,6 @@ class Domains(unittest.TestCase):
             walls = {-1 - 2 * k - side for k in range(3) if not flags[k] for side in (0, 1)}
             self.assertEqual(set(t.neighbors.indices[t.neighbors.indices < 0].tolist()), walls)
             self.assertTrue(t.verify())
-
-    def test_box_by_axes(self):
-        a = vt.tessellate(points(50), box=((-1, 2), (-2, 3), (0, 4)), device="cpu")
-        np.testing.assert_array_equal(a.box, [(-1, -2, 0), (2, 3, 4)])
 
     def test_repr_tells_the_domain(self):
         p = points(20)
@@ -189,16 +134,9 @@ class Domains(unittest.TestCase):
                 self.assertIsNone(pairs.shift)
 
     def test_round_walls(self):
-        p = np.random.default_rng(3).uniform(-0.3, 0.3, (100, 3)) + (5, 6, 7)
         for rows, count in ((vt.walls.sphere((5, 6, 7), 1), 300), (vt.walls.cylinder((5, 6, 7), (0, 0, 1), 1, 20), 20),
                             (vt.walls.cone((5, 6, 5), (0, 0, 1), 0.5, 25), 25)):
             self.assertEqual(rows.shape, (count, 4))
-            t = vt.tessellate(p, box=((3, 7), (4, 8), (6, 8)), walls=rows, list_walls=True)
-            self.assertTrue(t.verify())
-            np.testing.assert_array_equal(t.walls, rows)
-            self.assertTrue(np.all(p @ rows[:, :3].T <= rows[:, 3]))
-        self.assertAlmostEqual(vt.tessellate(p, walls=vt.walls.sphere((5, 6, 7), 1)).volumes.sum() / (4 * np.pi / 3), 1.01,
-                               places=2)
         with self.assertRaisesRegex(ValueError, "3 faces"):
             vt.walls.sphere((0, 0, 0), 1, 3)
         with self.assertRaisesRegex(ValueError, "center has shape"):
@@ -223,22 +161,6 @@ class Domains(unittest.TestCase):
                     lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
                     edges.append(np.count_nonzero(lengths >= threshold))
                 self.assertEqual(table[i].tolist(), [edges.count(k + 3) for k in range(table.shape[1])])
-
-    def test_seeds_outside_that_are_kept(self):
-        p = points(3000)
-        whole = vt.tessellate(p, box=UNIT, device="cpu")
-        box = (0.3, 0.3, 0.3, 0.7, 0.7, 0.7)
-        part = vt.tessellate(p, box=box, outside="keep", device="cpu", list_walls=True)
-        deep = np.flatnonzero([(row >= 0).all() and len(row) > 0 for row in part.neighbors])
-        self.assertGreater(len(deep), 20)
-        for i in deep:
-            self.assertEqual(part.neighbors[i].tolist(), whole.neighbors[i].tolist())
-        np.testing.assert_allclose(part.volumes[deep], whole.volumes[deep], rtol=1e-12)
-        beyond = ((p < 0.3) | (p > 0.7)).any(axis=1)
-        self.assertGreater(np.count_nonzero(part.volumes[beyond]), 50)
-        self.assertEqual(set(part.status[part.volumes == 0]), {vt.CellStatus.EMPTY})
-        self.assertTrue(part.verify())
-        self.assertEqual(pickle.loads(pickle.dumps(part)).verify().failure, "")
 
     def test_some_cells(self):
         p = points(500)
@@ -339,23 +261,6 @@ class Domains(unittest.TestCase):
                 vt.tessellate(p, mesh=mesh, device="cpu")
         with self.assertRaisesRegex((ValueError, vt.VotessError), "give box= with the mesh inside"):
             vt.tessellate(p, mesh=(vertices + 0.1, triangles), box=UNIT, periodic=True)
-
-    def test_mesh_in_a_periodic_domain(self):
-        """A mesh that is the whole box cuts nothing off. In a smaller one seeds beyond the box have a part too."""
-        vertices, triangles = CUBE
-        p = np.round(points(50) * 4096) / 4096
-        arguments = {"box": UNIT, "periodic": True, "want": "neighbors,volumes,centroids,areas", "device": "cpu"}
-        whole, plain = vt.tessellate(p, mesh=CUBE, **arguments), vt.tessellate(p, **arguments)
-        for name in ("indptr", "indices", "shifts"):
-            np.testing.assert_array_equal(getattr(whole, name), getattr(plain, name))
-        for name in ("volumes", "centroids", "face_areas"):
-            np.testing.assert_allclose(getattr(whole, name), getattr(plain, name), rtol=1e-12, atol=1e-14)
-        small = (0.1 + 0.8 * vertices, triangles)
-        t = vt.tessellate(p + [3, -(2**25), 1], mesh=small, **arguments)
-        np.testing.assert_array_equal(t.volumes, vt.tessellate(p, mesh=small, **arguments).volumes)
-        self.assertAlmostEqual(t.volumes.sum(), 0.512, places=12)
-        self.assertTrue(t.shifts.any())
-        self.assertAlmostEqual(t.pieces().volumes.sum(), 0.512, places=12)
 
     def test_what_is_refused(self):
         for message, arguments in [
@@ -540,46 +445,7 @@ class Atoms:
 
 
 class NoBox(unittest.TestCase):
-    def test_cells_that_reach_infinity(self):
-        for dimensions in (2, 3):
-            with self.subTest(dimensions):
-                places = points(200)[:, :dimensions]
-                t = vt.tessellate(places, box="none", want="neighbors,volumes,centroids,faces", device="cpu")
-                is_open = np.array([row[0] == -1 for row in t.neighbors])
-                np.testing.assert_array_equal(np.isinf(t.volumes), is_open)
-                np.testing.assert_array_equal(np.isnan(t.centroids).all(axis=1), is_open)
-                self.assertTrue(0 < is_open.sum() < 200)
-                self.assertTrue(np.isinf(t.box[:, :2]).all())
-                self.assertIn("without end", repr(t))
-                self.assertTrue(t.verify())
-                far = np.full((2, dimensions), 1e6)
-                far[0] *= -1
-                inside = vt.tessellate(places, box=far, device="cpu", want="volumes").volumes
-                np.testing.assert_allclose(t.volumes[~is_open], inside[~is_open], rtol=1e-9)
-
-    def test_delaunay_fills_the_hull(self):
-        corner = np.vstack((points(100), np.zeros((1, 3)), 3 * np.eye(3)))
-        dual = vt.tessellate(corner, box="none", want="faces", device="cpu").delaunay()
-        a, b, c, d = (corner[dual.tetrahedra[:, k]] for k in range(4))
-        volumes = np.einsum("tk,tk->t", b - a, np.cross(c - a, d - a)) / 6
-        self.assertEqual(len(dual.polytopes), 0)
-        self.assertTrue((volumes > 0).all())
-        self.assertAlmostEqual(volumes.sum(), 4.5, places=12)
-
     def test_convex_hull(self):
-        for places, walls, size in (
-            (lattice_of(3, 3), 6, 8.0), (lattice_of(4, 2), 4, 9.0), (1e-9 * lattice_of(3, 3) + 5, 6, 8e-27),
-            (points(60), None, None), (points(60)[:, :2], None, None), (points(60).astype(np.float32), None, None),
-        ):  # fmt: skip
-            with self.subTest(len(places)):
-                t = vt.tessellate(places, box="hull", device="cpu")
-                self.assertTrue((t.status == 0).all())
-                self.assertTrue(t.verify().passed)
-                again = vt.tessellate(places[::-1], box="hull", device="cpu")
-                np.testing.assert_array_equal(t.walls, again.walls)
-                if walls is not None:
-                    self.assertEqual(len(t.walls), walls)
-                    self.assertAlmostEqual(t.volumes.sum() / size, 1, places=5 if size < 1 else 13)
         self.assertEqual(vt.Diagram(points(60), box="hull").locate([[9, 9, 9]]).tolist(), [-1])
         start = points(60)
         relaxed = vt.lloyd(start, steps=2, box="hull", device="cpu").tessellation  # the first hull stays

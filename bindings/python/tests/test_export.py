@@ -13,7 +13,7 @@ import unittest
 from unittest import mock
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, Folder, cells, have, uniform
+from helpers import CELL, Folder, cells, have, uniform
 
 import pyvotess as vt
 from pyvotess.export import colors, geometry

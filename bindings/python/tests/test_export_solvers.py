@@ -42,21 +42,27 @@ def area_and_center(corners):
 
 
 def read_msh(path):
-    """Returns the triangles of each face of a .msh, and the faces of each cell, negative if they look inward."""
-    text = open(path).read()
-    blocks = {name: body.split("\n") for name, body in re.findall(r"\$(\w+)\n(.*?)\n\$End", text, re.S)}
-    vertices, edges, faces, _ = (int(word) for word in blocks["Entities"][0].split())
-    cell_faces = []
-    for line in blocks["Entities"][1 + vertices + edges + faces :]:
-        words = line.split()
-        cell_faces.append([int(word) for word in words[9 + int(words[7]) :]])
-    triangles, lines = {}, iter(blocks["Elements"][1:])
-    for head in lines:
-        dimension, entity, _, count = (int(word) for word in head.split())
-        rows = [[int(word) for word in next(lines).split()][1:] for _ in range(count)]
+    """Returns names, the physical group of each surface, the group and surfaces of each volume, nodes and triangles."""
+    with open(path) as file:
+        sections = {m[1]: m[2].split("\n") for m in re.finditer(r"\$(\w+)\n(.*?)\n\$End\1\n", file.read(), re.S)}
+    assert sections["MeshFormat"] == ["4.1 0 8"]
+    names = {tuple(map(int, line.split(" ", 2)[:2])): line.split('"')[1] for line in sections["PhysicalNames"][1:]}
+    points, curves, surfaces, volumes = map(int, sections["Entities"][0].split())
+    rows = [line.split() for line in sections["Entities"][1:]]
+    assert len(rows) == points + curves + surfaces + volumes
+    groups = {int(row[0]): int(row[8]) for row in rows[points + curves : points + curves + surfaces]}
+    hulls = {int(row[0]): (int(row[8]), [int(x) for x in row[10:]]) for row in rows[points + curves + surfaces :]}
+    lines = sections["Nodes"][1:]
+    nodes = np.array([lines[k].split() for k in range(2, len(lines), 3)], float)
+    triangles, k = {}, 1
+    while k < len(sections["Elements"]):
+        dimension, entity, kind, count = map(int, sections["Elements"][k].split())
+        part = [[int(x) - 1 for x in line.split()[1:]] for line in sections["Elements"][k + 1 : k + 1 + count]]
+        assert kind == (15, 1, 2)[dimension]
         if dimension == 2:
-            triangles[entity] = rows
-    return triangles, cell_faces
+            triangles[entity] = np.array(part)
+        k += 1 + count
+    return names, groups, hulls, nodes, triangles
 
 
 class FoamFolder(Folder):
@@ -84,6 +90,30 @@ class FoamFolder(Folder):
         return points, faces, owner, neighbour, patches
 
 
+    def closed_cells(self, mesh, places):
+        """Returns the volume of each cell by fans seen from its place, and its directed edges, which cancel out."""
+        points, faces, owner, neighbour, _ = mesh
+        volumes, edges = np.zeros(len(places)), [[] for _ in places]
+        for cell, sign, count in ((owner, 1, len(faces)), (neighbour, -1, len(neighbour))):
+            for i, face in zip(cell[:count], faces):
+                corners = points[face] - places[i]
+                volumes[i] += sign * (np.cross(corners[1:-1], corners[2:]) @ corners[0]).sum() / 6
+                edges[i] += [e[::sign] for e in zip(face.tolist(), np.roll(face, -1).tolist())]
+        for own in edges:
+            self.assertEqual(sorted(own), sorted((b, a) for a, b in own), "closed")
+        return volumes, edges
+
+    def check_twins(self, patch, patches, points, faces, atol):
+        """A periodic patch has the faces of its twin, moved, in the other direction from the same corner."""
+        begin = int(patch["startFace"])
+        twin = int(patches[patch["neighbourPatch"]]["startFace"])
+        apart = np.array(patch["separationVector"][1:-1].split(), float)  # from here to the twin
+        for k in range(int(patch["nFaces"])):
+            other = faces[twin + k]
+            there = np.concatenate((other[:1], other[:0:-1]))  # the same corners, the first first
+            np.testing.assert_allclose(points[faces[begin + k]] + apart, points[there], atol=atol)
+
+
 class Foam(FoamFolder):
     def check(self, t):
         """Checks the rules of checkMesh, and the volumes. Returns what read() does."""
@@ -106,19 +136,14 @@ class Foam(FoamFolder):
         measures = [area_and_center(points[face]) for face in faces]
         areas, centers = (np.array([m[k] for m in measures]) for k in (0, 1))
         self.assertTrue((np.linalg.norm(areas, axis=1) > 0).all())
-        closure, volumes = np.zeros((len(held), 3)), np.zeros(len(held))
-        edges = [[] for _ in held]
-        for cell, sign, count in ((owner, 1, len(faces)), (neighbour, -1, inner)):
-            np.add.at(closure, cell, sign * areas[:count])
-            offsets = centers[:count] - t.centroids[held][cell]
-            np.add.at(volumes, cell, sign * np.einsum("ij,ij->i", areas[:count], offsets) / 3)
-            for i, face in zip(cell, faces):
-                edges[i] += list(zip(face, np.roll(face, -1)))[::sign] if sign > 0 else list(zip(np.roll(face, -1), face))
+        closure = np.zeros((len(held), 3))
+        np.add.at(closure, owner, areas)
+        np.add.at(closure, neighbour, -areas[:inner])
         np.testing.assert_allclose(closure, 0, atol=1e-14 * t.box[1].max() ** 2)
+        volumes, edges = self.closed_cells(mesh, t.centroids[held])
         np.testing.assert_allclose(volumes, t.volumes[held], rtol=1e-12)
         for own in edges:
             self.assertEqual(len(own), len(set(own)))
-            self.assertEqual(set(own), {(b, a) for a, b in own}, "closed")
 
         end = inner
         for name, patch in patches.items():
@@ -136,11 +161,7 @@ class Foam(FoamFolder):
                 continue
             twin = patches[patch["neighbourPatch"]]
             self.assertEqual((patch["type"], patch["transform"], twin["nFaces"]), ("cyclic", "translational", patch["nFaces"]))
-            apart = np.array(patch["separationVector"][1:-1].split(), float)  # from here to the twin
-            for k in range(begin, end):
-                other = faces[int(twin["startFace"]) + k - begin]
-                there = np.concatenate((other[:1], other[:0:-1]))  # the same corners, the first first
-                np.testing.assert_allclose(points[faces[k]] + apart, points[there], atol=1e-13)
+            self.check_twins(patch, patches, points, faces, 1e-13)
         self.assertEqual(end, len(faces))
         self.check_quality(t, mesh, held, areas, centers)
         return mesh
@@ -201,7 +222,7 @@ class Foam(FoamFolder):
                     before = t.mesh_quality()
                     length = 0.05 * t.box[1].max()
                     t.save(self.path("case.foam"), min_edge=length)
-                    points, faces, owner, neighbour, patches = self.read()
+                    points, faces, owner, neighbour, patches = mesh = self.read()
                     inner, q = len(neighbour), t.mesh_quality(min_edge=length)
                     self.assertEqual((q.wrong_faces, q.wrong_cells, q.faces, q.vertices), (0, 0, len(faces), len(points)))
                     ends = np.array([(a, b) for f in faces for a, b in zip(f, np.roll(f, -1))])
@@ -216,27 +237,16 @@ class Foam(FoamFolder):
                     self.assertTrue(set(map(tuple, points)) <= set(map(tuple, t.vertices)), "vertices of cells, as they were")
                     pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
                     self.assertEqual(pairs, sorted(set(pairs)))
-                    volumes, cells_edges = np.zeros(q.cells), [[] for _ in range(q.cells)]
-                    for cell, sign, count in ((owner, 1, len(faces)), (neighbour, -1, inner)):
-                        for i, face in zip(cell[:count], faces):
-                            corners = points[face] - points[faces[0][0]]
-                            fan = np.cross(corners[1:-1], corners[2:])
-                            volumes[i] += sign * (fan @ corners[0]).sum() / 6
-                            cells_edges[i] += [e[::sign] for e in zip(face.tolist(), np.roll(face, -1).tolist())]
+                    volumes, edges = self.closed_cells(mesh, np.broadcast_to(points[faces[0][0]], (q.cells, 3)))
                     self.assertTrue((volumes > 0).all())
                     size = t.volumes.sum()
                     np.testing.assert_allclose(volumes.sum(), size, rtol=1e-12)
-                    for own in cells_edges:
+                    for own in edges:
                         self.assertEqual(len(own), len(set(own)))
-                        self.assertEqual(set(own), {(b, a) for a, b in own}, "closed")
                     for name, patch in patches.items():
                         part = range(int(patch["startFace"]), int(patch["startFace"]) + int(patch["nFaces"]))
                         if patch["type"] == "cyclic":
-                            apart = np.array(patch["separationVector"][1:-1].split(), float)
-                            twin = int(patches[patch["neighbourPatch"]]["startFace"]) - part.start
-                            for k in part:
-                                there = np.concatenate((faces[k + twin][:1], faces[k + twin][:0:-1]))
-                                np.testing.assert_allclose(points[faces[k]] + apart, points[there], atol=1e-13)
+                            self.check_twins(patch, patches, points, faces, 1e-13)
                         elif t.cell is None:
                             side = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax").index(name)
                             corners = points[np.unique(np.concatenate([faces[k] for k in part]))]
@@ -249,19 +259,18 @@ class Foam(FoamFolder):
             with self.assertRaisesRegex(ValueError, message):
                 t.save(self.path(name), min_edge=given)
 
-    def check_triangles(self, file, closed):
-        """No triangle is there twice, and where cells are ``closed``, each edge of one has two triangles."""
-        triangles, cell_faces = read_msh(file)
-        everything = [tuple(sorted(triangle)) for face in triangles.values() for triangle in face]
+    def check_triangles(self, file):
+        """No triangle is there twice, and each edge of a cell has two triangles of it."""
+        *_, hulls, _, triangles = read_msh(file)
+        everything = [tuple(sorted(triangle)) for face in triangles.values() for triangle in face.tolist()]
         self.assertEqual(len(everything), len(set(everything)))
-        for faces in cell_faces:
+        for _, faces in hulls.values():
             edges = [
                 (a, b) if face > 0 else (b, a)
-                for face in faces for x, y, z in triangles[abs(face)] for a, b in ((x, y), (y, z), (z, x))
+                for face in faces for x, y, z in triangles[abs(face)].tolist() for a, b in ((x, y), (y, z), (z, x))
             ]  # fmt: skip
             self.assertEqual(sorted(edges), sorted((b, a) for a, b in edges))
-            if closed:
-                self.assertEqual(len(edges), len(set(edges)))
+            self.assertEqual(len(edges), len(set(edges)))
 
     def test_triangles_of_collapsed_cells(self):
         """Relaxed sets have many short edges. Their faces share more than a side where one vanished between them."""
@@ -272,7 +281,7 @@ class Foam(FoamFolder):
                 with self.subTest(seed=seed, length=length), warnings.catch_warnings():
                     warnings.simplefilter("ignore")
                     t.save(self.path("a.msh"), min_edge=length)
-                    self.check_triangles(self.path("a.msh"), True)
+                    self.check_triangles(self.path("a.msh"))
 
     def test_cells_that_reach_infinity(self):
         t = vt.tessellate(uniform(60), box="none", want="faces,volumes")
@@ -431,18 +440,14 @@ class FoamOfPieces(FoamFolder):
         pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
         self.assertEqual(pairs, sorted(pairs), "upper-triangular order")
         self.assertTrue((owner[:inner] < neighbour).all())
-        areas, volumes, edges = [], np.zeros(len(pieces)), [[] for _ in range(len(pieces))]
-        for k, face in enumerate(faces):
+        areas = []
+        for face in faces:
             area, center = area_and_center(points[face])
             areas.append(area)
             self.assertEqual(len(set(face.tolist())), len(face))
             np.testing.assert_allclose((points[face] - center) @ area, 0, atol=1e-9 * np.linalg.norm(area), err_msg="flat")
-            for cell, sign in ((owner[k], 1), (neighbour[k], -1)) if k < inner else ((owner[k], 1),):
-                volumes[cell] += sign * area @ (center - pieces.centroids[cell]) / 3
-                edges[cell] += [e[::sign] for e in zip(face.tolist(), np.roll(face, -1).tolist())]
+        volumes, _ = self.closed_cells(mesh, pieces.centroids)
         np.testing.assert_allclose(volumes, pieces.volumes, rtol=1e-11)
-        for own in edges:
-            self.assertEqual(sorted(own), sorted((b, a) for a, b in own), "closed")
         areas = np.linalg.norm(areas, axis=1)
         self.assertGreater(areas.min(), 0)
         # Pieces touch as their triangles say, and share as much.
@@ -569,7 +574,7 @@ class Tess(Folder):
         vertices = np.array(s["**vertex"][1:], float).reshape(-1, 5)[:, 1:4]
         edges = np.array(s["**edge"][1:], int).reshape(-1, 4)[:, 1:3]
         self.assertEqual(len(np.unique(edges, axis=0)), len(edges))
-        words, faces, planes = iter(s["**face"][1:]), [], []
+        words, faces = iter(s["**face"][1:]), []
         for number in range(int(s["**face"][0])):
             self.assertEqual(int(next(words)), number + 1)
             corners = [int(next(words)) for _ in range(int(next(words)))]
@@ -691,33 +696,10 @@ class Stl(Folder):
 
 
 class Msh(Folder):
-    def read(self):
-        """Returns names, the physical group of each surface, the surfaces of each volume, nodes and triangles."""
-        with open(self.path("a.msh")) as file:
-            sections = {m[1]: m[2].split("\n") for m in re.finditer(r"\$(\w+)\n(.*?)\n\$End\1\n", file.read(), re.S)}
-        self.assertEqual(sections["MeshFormat"], ["4.1 0 8"])
-        names = {tuple(map(int, line.split(" ", 2)[:2])): line.split('"')[1] for line in sections["PhysicalNames"][1:]}
-        points, curves, surfaces, volumes = map(int, sections["Entities"][0].split())
-        rows = [line.split() for line in sections["Entities"][1:]]
-        self.assertEqual(len(rows), points + curves + surfaces + volumes)
-        groups = {int(row[0]): int(row[8]) for row in rows[points + curves : points + curves + surfaces]}
-        hulls = {int(row[0]): (int(row[8]), [int(x) for x in row[10:]]) for row in rows[points + curves + surfaces :]}
-        lines = sections["Nodes"][1:]
-        nodes = np.array([lines[k].split() for k in range(2, len(lines), 3)], float)
-        triangles, k = {}, 1
-        while k < len(sections["Elements"]):
-            dimension, entity, kind, count = map(int, sections["Elements"][k].split())
-            part = [[int(x) - 1 for x in line.split()[1:]] for line in sections["Elements"][k + 1 : k + 1 + count]]
-            self.assertEqual(kind, (15, 1, 2)[dimension])
-            if dimension == 2:
-                triangles[entity] = np.array(part)
-            k += 1 + count
-        return names, groups, hulls, nodes, triangles
-
     def test_surfaces(self):
         for t in domains():
             t.save(self.path("a.msh"))
-            names, groups, hulls, nodes, triangles = self.read()
+            names, groups, hulls, nodes, triangles = read_msh(self.path("a.msh"))
             held = np.flatnonzero(t.volumes > 0)
             self.assertEqual([group for group, _ in hulls.values()], (held + 1).tolist())
             every = np.concatenate(list(triangles.values()))
@@ -737,7 +719,7 @@ class Msh(Folder):
     def test_both_sides_of_a_period_have_the_same_triangles(self):
         t = cells(30, periodic="z")
         t.save(self.path("a.msh"))
-        names, groups, _, nodes, triangles = self.read()
+        names, groups, _, nodes, triangles = read_msh(self.path("a.msh"))
         sides = {}
         for surface, corners in triangles.items():
             name = names[2, groups[surface]]

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 from helpers import CELL, CUBE, UNIT_BOX, lattice, uniform
+from plane_oracle import cut, moments
 from test_fit import clipped, cube, dot, measured, minus
 
 import pyvotess as vt
@@ -19,30 +20,6 @@ def image(shape, seed=1, black=0.4):
     """Returns random values, some of which are 0."""
     random = np.random.default_rng(seed)
     return random.random(shape) * (random.random(shape) > black)
-
-
-def cut(polygon, a, b, h):
-    """Returns the part of a polygon where a x + b y <= h."""
-    sides = [a * x + b * y - h for x, y in polygon]
-    part = []
-    for k, (x, y) in enumerate(polygon):
-        (u, v), s, before = polygon[k - 1], sides[k], sides[k - 1]
-        if (s > 0) != (before > 0):
-            share = before / (before - s)
-            part.append((u + share * (x - u), v + share * (y - v)))
-        if s <= 0:
-            part.append((x, y))
-    return part
-
-
-def moments(polygon):
-    """Returns the integrals of 1, x, y and x^2 + y^2."""
-    sums = [Fraction(0)] * 4
-    for (a, b), (c, d) in zip(polygon, polygon[1:] + polygon[:1]):
-        twice = a * d - b * c
-        terms = (twice / 2, twice * (a + c) / 6, twice * (b + d) / 6, twice * (a * a + a * c + c * c + b * b + b * d + d * d) / 12)
-        sums = [s + t for s, t in zip(sums, terms)]
-    return sums
 
 
 def exact_masses(points, weights, values, periodic):
@@ -146,15 +123,6 @@ class Exact(unittest.TestCase):
                     for other, mass in zip(t.neighbors.indices[row], found.face_masses[row]):
                         if other >= 0:
                             self.assertAlmostEqual(mass, float(faces[other]), delta=1e-14)
-
-    def test_fine_sum(self):
-        points, values = uniform(20)[:, :2], image((6, 8), 3)
-        weights = uniform(20)[:, 2] * 0.03
-        t = vt.tessellate(points, box=SQUARE, weights=weights, want="faces,volumes")
-        places = (np.mgrid[0:480, 0:480].reshape(2, -1).T + 0.5) / 480
-        owners = np.argmin(((places[:, None] - points) ** 2).sum(axis=2) - weights, axis=1)
-        sums = np.bincount(owners, values.repeat(80, axis=0).repeat(60, axis=1).ravel() / 480**2, minlength=20)
-        np.testing.assert_allclose(t.masses(values).masses, sums, atol=5e-5)
 
     def test_layers(self):
         """Faces between boxes of the grid have the mean of both sides."""

@@ -6,7 +6,8 @@ import sys
 import unittest
 
 import numpy as np
-from helpers import ELL, uniform
+from helpers import ELL
+from helpers import uniform as seeds
 from test_export_solvers import torus
 
 import pyvotess as vt
@@ -27,10 +28,6 @@ WANT = ("neighbors", "volumes", "faces")
 def area(polygon):
     x, y = polygon.T
     return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
-
-
-def seeds(count, seed=1):
-    return np.random.default_rng(seed).random((count, 3))
 
 
 class Sections(unittest.TestCase):
@@ -55,16 +52,6 @@ class Sections(unittest.TestCase):
                 middle = np.full(3, value)
                 middle[others[axis]] = polygon.mean(axis=0)
                 self.assertEqual(np.argmin(((points - middle) ** 2).sum(axis=1)), cell)
-
-    def test_lattice(self):
-        points = np.stack(np.meshgrid(*[np.arange(4) + 0.5] * 3), axis=-1).reshape(-1, 3)
-        t = vt.tessellate(points, box=(0, 0, 0, 4, 4, 4), want=WANT)
-        cells, polygons = _plot.section(t, 2, 1.25)
-        self.assertEqual(sorted(cells), [i for i in range(64) if points[i, 2] == 1.5])
-        for cell, polygon in zip(cells, polygons):
-            self.assertEqual(polygon.shape, (4, 2))
-            np.testing.assert_allclose(polygon.mean(axis=0), points[cell, :2])
-            self.assertAlmostEqual(area(polygon), 1)
 
     def test_periodic_images_fill_the_box(self):
         sheared = np.array([[1.0, 0, 0], [0.3, 1, 0], [0.2, 0.4, 1]])
@@ -115,7 +102,7 @@ class SectionsInMesh(unittest.TestCase):
         for axis, mesh in (("x", ELL), ("y", torus(24, 10)), ("z", torus(24, 10))):
             k = "xyz".index(axis)
             low, high = mesh[0].min(axis=0), mesh[0].max(axis=0)
-            pieces = vt.tessellate(low + (high - low) * uniform(20), mesh=mesh).pieces()
+            pieces = vt.tessellate(low + (high - low) * seeds(20), mesh=mesh).pieces()
             places = np.linspace(low[k], high[k], 201)
             sums = np.zeros(len(pieces))
             for value in (places[1:] + places[:-1]) / 2:

@@ -212,22 +212,6 @@ class Running(unittest.TestCase):
             callbacks.guarded(_c_api.ProgressCallback, fail, 0)(0.0)
             raise KeyError
 
-    def test_many_threads_at_once(self):
-        points = [uniform(2000, seed) for seed in range(6)]
-        expected = [vt.tessellate(p).neighbors.indices for p in points]
-        results = [None] * len(points)
-
-        def work(i):
-            results[i] = vt.tessellate(points[i]).neighbors.indices
-
-        threads = [threading.Thread(target=work, args=(i,)) for i in range(len(points))]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        for result, right in zip(results, expected):
-            np.testing.assert_array_equal(result, right)
-
     def test_messages_belong_to_their_thread(self):
         texts = {}
         barrier = threading.Barrier(2)
@@ -323,18 +307,6 @@ class TessellatorTest(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, "pickled"):
                 function(tessellator)
 
-    def test_bad_options(self):
-        with self.assertRaisesRegex(ValueError, "threads is -2"):
-            vt.Tessellator(threads=-2)
-        with self.assertRaisesRegex(ValueError, "k_init is -2"):
-            vt.Tessellator(k_init=-2)
-        with self.assertRaisesRegex(ValueError, "chunk_size is -2"):
-            vt.Tessellator(chunk_size=-2)
-        with self.assertRaisesRegex(ValueError, "'half'"):
-            vt.Tessellator(precision="half")
-        with self.assertRaises(TypeError):
-            vt.Tessellator(device=None)
-
 
 class End(unittest.TestCase):
     def test_modules_that_are_empty_at_exit(self):
@@ -358,48 +330,6 @@ class End(unittest.TestCase):
 
 class Forks(unittest.TestCase):
     """Uses the Tessellator of the parent in a forked child."""
-
-    def test_fork(self):
-        points = uniform(3000)
-        tessellator = vt.Tessellator(device="cpu", threads=3)
-        expected = tessellator.tessellate(points, box=UNIT_BOX)
-        for use in (False, True):
-            child = os.fork()
-            if child == 0:
-                signal.alarm(60)  # ends a hanging child
-                code = 1
-                try:
-                    if use:
-                        t = tessellator.tessellate(points, box=UNIT_BOX)
-                        np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices)
-                    tessellator.close()
-                    code = 0
-                finally:
-                    os._exit(code)
-            self.assertEqual(os.waitpid(child, 0)[1], 0)
-        np.testing.assert_array_equal(tessellator.tessellate(points, box=UNIT_BOX).volumes, expected.volumes)
-
-    def test_fork_at_work(self):
-        points = uniform(3000)
-        tessellator = vt.Tessellator(device="cpu", threads=2)
-        statuses = []
-
-        def progress(fraction):
-            child = os.fork()
-            if child == 0:
-                signal.alarm(60)
-                code = 1
-                try:
-                    tessellator.tessellate(points)
-                except vt.VotessError as error:
-                    code = 0 if error.code == vt.ErrorCode.INVALID_USE else 2
-                finally:
-                    os._exit(code)
-            statuses.append(os.waitpid(child, 0)[1])
-
-        self.assertTrue(tessellator.tessellate(points, progress=progress).verify())
-        self.assertTrue(statuses)
-        self.assertEqual(set(statuses), {0})
 
     def test_multiprocessing(self):
         # In a separate process, because a hanging pool would hang this one.

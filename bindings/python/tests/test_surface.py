@@ -1,19 +1,14 @@
-"""surface(), lloyd_on_surface() and remesh(): fractions, the plane, hulls of spheres, sharp edges, bad input."""
+"""surface(), lloyd_on_surface() and remesh(): fractions, the plane, sharp edges, bad input."""
 
 import unittest
 
 import numpy as np
+from helpers import CUBE
 from surface_oracle import Oracle
 
 import pyvotess as vt
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
-
-
-def cube():
-    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
-    squares = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return corners, [t for a, b, c, d in squares for t in ((a, b, c), (a, c, d))]
 
 
 def grating(cells, thickness):
@@ -126,26 +121,6 @@ class Surface(unittest.TestCase):
             self.assertAlmostEqual((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2, c.polygon_areas[p], delta=1e-15)
         self.assertEqual(len(np.unique(c.vertices, axis=0)), len(c.vertices))
 
-    def test_weights_are_those_of_tessellate(self):
-        rng = np.random.default_rng(2)
-        points, weights = rng.random((100, 2)), rng.random(100) * 0.02
-        t = vt.tessellate(points, box=(0, 0, 1, 1), weights=weights, want="volumes")
-        c = vt.surface(np.c_[points, np.zeros(100)], *SQUARE, weights=weights)
-        np.testing.assert_allclose(c.areas, t.volumes, rtol=0, atol=1e-13)
-        np.testing.assert_array_equal(c.areas, vt.surface(np.c_[points, np.zeros(100)], *SQUARE, weights=weights, threads=1).areas)
-
-    def test_dual_of_a_sphere_is_the_hull(self):
-        seeds = sphere(80)
-        c = vt.surface(seeds, *globe(40, 60))
-        self.assertEqual((len(c.dual), len(c.faults)), (2 * 80 - 4, 0))
-        x = seeds[c.dual]
-        normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-        heights = ((seeds[None] - x[:, :1]) * normals[:, None]).sum(axis=2)
-        np.put_along_axis(heights, c.dual, 0, axis=1)
-        self.assertLessEqual(heights.max(), 0)  # all seeds lie behind each triangle, so it turns outward too
-        edges = directed_edges(c.dual)
-        self.assertEqual(set(edges), {(b, a) for a, b in edges})
-
     def test_faults(self):
         # Two seeds on a tube share two curves, one far above a plate none, and the cap of a globe is bounded by a loop.
         a = 2 * np.pi * np.arange(12) / 12
@@ -164,7 +139,7 @@ class Surface(unittest.TestCase):
         np.testing.assert_allclose(c.perimeters, 2 * 24 * np.sin(np.pi / 12), rtol=1e-13)
 
     def test_merge(self):
-        vertices, triangles = cube()
+        vertices, triangles = CUBE
         soup = np.asarray(vertices)[triangles].reshape(-1, 3)
         rows = np.arange(len(soup)).reshape(-1, 3)
         whole, merged = vt.surface(vertices[:2] * 0.9, vertices, triangles), vt.surface(vertices[:2] * 0.9, soup, rows, merge=True)
@@ -182,7 +157,7 @@ class Surface(unittest.TestCase):
         self.assertLess(len(early.moved), 50)
 
     def test_remesh(self):
-        vertices, triangles = cube()
+        vertices, triangles = CUBE
         mesh = vt.remesh(vertices, triangles, 300)
         edges = directed_edges(mesh.triangles)
         self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
@@ -309,7 +284,7 @@ class Surface(unittest.TestCase):
         self.assertLess(off.max(), 1e-12)
 
     def test_remesh_keeps_small_parts_or_reports_them(self):
-        corners, sides = cube()
+        corners, sides = CUBE
         vertices = np.concatenate((corners, 0.05 * corners + [1.2, 0.3, 0.3]))
         mesh = vt.remesh(vertices, np.concatenate((sides, np.add(sides, len(corners)))), 200)
         self.assertEqual((len(mesh.faults), mesh.border_edges, mesh.crowded_edges), (0, 0, 0))
@@ -330,7 +305,7 @@ class Surface(unittest.TestCase):
         turn = np.pi * np.arange(10) / 5
         star = np.where(np.arange(10) % 2, 0.38, 1.0)
         ell = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)]
-        corners, sides = cube()
+        corners, sides = CUBE
         for vertices, triangles, kept in (
             (*SQUARE, 4),
             (ell, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)], 6),

@@ -54,14 +54,10 @@ constexpr std::array styles = std::to_array<Style>({
 constexpr std::string_view basic_columns = "id type x y z";
 constexpr std::size_t image_flags = 3;
 
-bool has_name(const Words& names, std::string_view name) {
-    return std::ranges::find(names, name) != names.end();
-}
-
 AtomColumns made_of(std::string_view columns) {
     AtomColumns result;
     split_words(columns, result.names);
-    result.x = static_cast<std::size_t>(std::ranges::find(result.names, "x") - result.names.begin());
+    result.x = find_name(result.names, "x").value();
     return result;
 }
 
@@ -80,7 +76,7 @@ AtomColumns columns_of_hybrid(const Words& hint, std::size_t size) {
         all_known = all_known && style != styles.end();
         if (!all_known) break;
         for (const std::string_view name : made_of(style->columns).names) {
-            if (!has_name(result.names, name)) result.names.push_back(name);
+            if (!find_name(result.names, name)) result.names.push_back(name);
         }
     }
     const std::size_t own = result.names.size();

@@ -131,10 +131,9 @@ private:
     // Adds a column `radius` after those of the file: half of the diameter.
     void find_wanted(const AtomColumns& columns, Input& input) {
         Words names = columns.names;
-        const auto diameter = std::ranges::find(names, "diameter");
-        const bool wants_radius = std::ranges::find(request_.columns, "radius") != request_.columns.end();
-        if (wants_radius && diameter != names.end() && std::ranges::find(names, "radius") == names.end()) {
-            diameter_ = static_cast<std::size_t>(diameter - names.begin());
+        const auto diameter = find_name(names, "diameter");
+        if (find_name(request_.columns, "radius") && diameter && !find_name(names, "radius")) {
+            diameter_ = *diameter;
             half_ = names.size();
             names.push_back("radius");
         }

@@ -143,15 +143,10 @@ private:
     }
 
     [[nodiscard]] Place find_place(const Words& names) const {
-        const auto at = [&](std::string_view name) -> std::optional<std::size_t> {
-            const auto found = std::find(names.begin(), names.end(), name);
-            if (found == names.end()) return std::nullopt;
-            return static_cast<std::size_t>(found - names.begin());
-        };
         if (!request_.coordinates.empty()) {
             Place place;
             for (const std::string& name : request_.coordinates) {
-                const auto found = at(name);
+                const auto found = find_name(names, name);
                 if (!found) throw lines_.error("no column " + in_quotes(name) + " of --columns");
                 place.columns.push_back(*found);
             }
@@ -160,9 +155,9 @@ private:
             return place;
         }
         for (const auto& [suffix, scaled] : {std::pair{"", false}, {"u", false}, {"s", true}, {"su", true}}) {
-            const auto x = at(std::string("x") + suffix);
-            const auto y = at(std::string("y") + suffix);
-            const auto z = at(std::string("z") + suffix);
+            const auto x = find_name(names, std::string("x") + suffix);
+            const auto y = find_name(names, std::string("y") + suffix);
+            const auto z = find_name(names, std::string("z") + suffix);
             if (x && y && z) return {{*x, *y, *z}, scaled};
             if (x && y && request_.dimensions == Dimensions::two) return {{*x, *y}, scaled};
         }
@@ -208,9 +203,7 @@ private:
     Input read_atoms() {
         names_.assign(words_.begin() + 2, words_.end());
         place_ = find_place(names_);
-        id_.reset();
-        if (const auto id = std::find(names_.begin(), names_.end(), "id"); id != names_.end())
-            id_ = static_cast<std::size_t>(id - names_.begin());
+        id_ = find_name(names_, "id");
         wanted_.emplace(request_, names_, lines_.name());
         first_ = true;
 

@@ -429,41 +429,33 @@ std::string check_natural(const Set& set, std::uint64_t number) {
     return "";
 }
 
-std::size_t sets(std::size_t full, std::size_t reduced) {
+// VOTESS_TEST_SETS: the number of sets.
+void check_sets(std::string (*check)(const Set&, std::uint64_t), std::size_t count) {
     const char* const given = std::getenv("VOTESS_TEST_SETS");
-    return given != nullptr ? std::strtoull(given, nullptr, 10) : test::by_size(full, reduced);
+    const std::size_t sets = given != nullptr ? std::strtoull(given, nullptr, 10) : test::by_size(count, 8);
+    for (std::size_t number = 0; number < sets; ++number) {
+        CAPTURE(number);
+        CHECK(check(any_set(number, number % 3 == 0), number) == "");
+    }
 }
 
 }  // namespace
 
 TEST_SUITE("cases") {
-    // VOTESS_TEST_SETS: the number of sets.
     TEST_CASE("in mesh: locate() finds the nearest seed inside, and none outside") {
-        for (std::size_t number = 0; number < sets(30, 8); ++number) {
-            CAPTURE(number);
-            CHECK(check_locate(any_set(number, number % 3 == 0), number) == "");
-        }
+        check_sets(check_locate, 30);
     }
 
     TEST_CASE("in mesh: rays have their lengths inside") {
-        for (std::size_t number = 0; number < sets(30, 8); ++number) {
-            CAPTURE(number);
-            CHECK(check_trace(any_set(number, number % 3 == 0), number) == "");
-        }
+        check_sets(check_trace, 30);
     }
 
     TEST_CASE("in mesh: probes have the cells of added seeds") {
-        for (std::size_t number = 0; number < sets(40, 8); ++number) {
-            CAPTURE(number);
-            CHECK(check_probe(any_set(number, number % 3 == 0), number) == "");
-        }
+        check_sets(check_probe, 40);
     }
 
     TEST_CASE("in mesh: natural neighbors are those of the domain around it") {
-        for (std::size_t number = 0; number < sets(40, 8); ++number) {
-            CAPTURE(number);
-            CHECK(check_natural(any_set(number, number % 3 == 0), number) == "");
-        }
+        check_sets(check_natural, 40);
     }
 
     TEST_CASE("in mesh: a mesh that fills a periodic box changes no ray") {

@@ -287,21 +287,6 @@ TEST_SUITE("query") {
         CHECK(row.weights[2] == doctest::Approx(0.381131).epsilon(1e-5));
     }
 
-    TEST_CASE("natural neighbors: a query takes the whole part of a seed outside") {
-        votess::Options options;
-        options.box = test::unit_box();
-        options.outside = votess::Outside::keep;
-        const votess::Diagram beyond_box(Coordinates{0.5, 0.5, 0.5, 1.3, 0.5, 0.5}, options);
-        NaturalRow row = row_of(beyond_box.natural_neighbors(Coordinates{0.8, 0.5, 0.5}), 0);
-        REQUIRE(row.seeds == std::vector<std::int32_t>{0, 1});
-        CHECK(row.weights[0] == doctest::Approx(5.0 / 7).epsilon(1e-12));
-        options.walls = {{{1, 0, 0}, 0.8}};
-        const votess::Diagram beyond_wall(Coordinates{0.5, 0.5, 0.5, 0.9, 0.5, 0.5}, options);
-        row = row_of(beyond_wall.natural_neighbors(Coordinates{0.75, 0.5, 0.5}), 0);
-        REQUIRE(row.seeds == std::vector<std::int32_t>{0, 1});
-        CHECK(row.weights[0] == doctest::Approx(3.0 / 7).epsilon(1e-12));
-    }
-
     TEST_CASE("natural neighbors: seeds outside against rational arithmetic") {
         Random random(24);
         std::size_t checked = 0, buried = 0;

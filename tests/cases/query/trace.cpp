@@ -379,33 +379,6 @@ TEST_SUITE("query") {
         }
     }
 
-    TEST_CASE("trace: lengths sum to the ray's length in the domain") {
-        const test::PointSet set = test::uniform(2000, 4);
-        votess::Options options;
-        options.box = test::unit_box();
-        test::Random random(3);
-        for (const bool periodic : {false, true}) {
-            options.periodic = {periodic, periodic, periodic};
-            const votess::Diagram diagram(set.points, options);
-            RaySet rays;
-            for (int r = 0; r < 100; ++r) {
-                for (int k = 0; k < 3; ++k) rays.origins.push_back(random.uniform());
-                for (int k = 0; k < 3; ++k) rays.directions.push_back(random.uniform(-1e-3, 1e-3));
-                rays.lengths.push_back(periodic ? 20 * random.uniform() : std::numeric_limits<double>::infinity());
-            }
-            const votess::RayCells cells = rays.trace(diagram);
-            const std::vector<double> sums = cells.integrate(std::vector<double>(2000, 1.0));
-            for (std::size_t r = 0; r < rays.lengths.size(); ++r) {
-                double expected = rays.lengths[r];
-                for (std::size_t k = 0; k < 3 && !periodic; ++k) {
-                    const double d = rays.directions[3 * r + k], x = rays.origins[3 * r + k];
-                    expected = std::min(expected, ((d > 0 ? 1 : 0) - x) / d * length_of(&rays.directions[3 * r]));
-                }
-                CHECK(std::abs(sums[r] - expected) <= 1e-13 * expected);
-            }
-        }
-    }
-
     TEST_CASE("trace: middles and linear fields in each domain") {
         const test::PointSet set = test::uniform(60, 18);
         test::Random random(19);
@@ -457,29 +430,6 @@ TEST_SUITE("query") {
                                   1e-13 + 1e-15 * domain.periods);
             }
         }
-    }
-
-    TEST_CASE("trace: along planes, edges and diagonals of a lattice") {
-        const test::PointSet set = test::cubic(4);
-        votess::Options options;
-        options.box = set.box;
-        const votess::Diagram diagram(set.points, options);
-        const votess::Box box = *options.box;
-        const double corner = box.lower[0], far = std::numeric_limits<double>::infinity();
-        RaySet rays;
-        rays.origins = {corner, corner, corner, corner, corner + 1, corner + 1, corner, corner, corner + 1};
-        rays.directions = {1, 1, 1, 1, 0, 0, 1, 1, 0};
-        rays.lengths = {far, far, far};
-        const votess::RayCells cells = rays.trace(diagram);
-        REQUIRE(cells.offsets == std::vector<std::int64_t>{0, 4, 8, 12});
-        const double steps[3] = {std::sqrt(3.0), 1, std::sqrt(2.0)};
-        for (std::size_t e = 0; e < 12; ++e) CHECK(std::abs(cells.lengths[e] - steps[e / 4]) < 1e-14);
-        Coordinates middles;
-        for (std::size_t e = 0; e < 12; ++e)
-            for (std::size_t k = 0; k < 3; ++k)
-                middles.push_back(rays.origins[3 * (e / 4) + k] +
-                                  rays.directions[3 * (e / 4) + k] * (static_cast<double>(e % 4) + 0.5));
-        CHECK(diagram.locate(middles) == cells.seeds);
     }
 
     TEST_CASE("trace: lattices in random order against exact envelopes") {

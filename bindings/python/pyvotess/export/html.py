@@ -61,12 +61,8 @@ def _picture(t: SeedCells) -> str:
         points = " ".join(f"{x:.1f},{height - y:.1f}" for x, y in places.tolist())
         shapes.append(f'<polygon points="{points}" fill="#{red:02x}{green:02x}{blue:02x}"/>')
     names = "".join("xyz"[k] for k in others)
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {width:.1f} {height:.1f}" stroke="black" stroke-width="0.5" stroke-opacity="0.6">'
-        f"<title>section {names} at {'xyz'[axis]} = {box[:, axis].mean():g}, colored by {color}</title>"
-        f"{''.join(shapes)}</svg>"
-    )
+    title = f"section {names} at {'xyz'[axis]} = {box[:, axis].mean():g}, colored by {color}"
+    return _svg(title, shapes, width, height, ' stroke="black" stroke-width="0.5" stroke-opacity="0.6"')
 
 
 def _page(thing: object, rows: Callable[[], Rows], picture: Callable[[], str]) -> str:
@@ -104,10 +100,10 @@ def html_of_fit(fit: Any) -> str:
     return _page(fit, rows, lambda: _picture(fit.tessellation))
 
 
-def _svg(title: str, shapes: List[str], width: float = _PIXELS, height: float = _PIXELS) -> str:
+def _svg(title: str, shapes: List[str], width: float = _PIXELS, height: float = _PIXELS, style: str = "") -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" '
-        f'viewBox="0 0 {width:.1f} {height:.1f}"><title>{escape(title)}</title>{"".join(shapes)}</svg>'
+        f'viewBox="0 0 {width:.1f} {height:.1f}"{style}><title>{escape(title)}</title>{"".join(shapes)}</svg>'
     )
 
 
@@ -167,8 +163,7 @@ def html_of_pieces(pieces: Any) -> str:
     def picture() -> str:
         if pieces.planar:
             return ""
-        counts = np.diff(pieces.triangle_offsets)
-        triangles = pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], counts)[:, None]
+        triangles = pieces._corners
         a, b, c = np.moveaxis(_seen(pieces.vertices)[triangles], 1, 0)
         one, two = b - a, c - a
         turn = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
@@ -178,7 +173,7 @@ def html_of_pieces(pieces: Any) -> str:
         normals = np.cross(*(pieces.vertices[triangles[front, k]] - pieces.vertices[triangles[front, 0]] for k in (1, 2)))
         normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
         light = 0.6 + 0.4 * np.abs(normals @ (0.48, 0.36, 0.8))
-        shown = (map_values(pieces.volumes, "tide")[np.repeat(np.arange(len(pieces)), counts)[front]] * light[:, None]).astype(int)
+        shown = (map_values(pieces.volumes, "tide")[pieces._piece_of[front]] * light[:, None]).astype(int)
         order = np.argsort((a + b + c)[front, 2])
         corners = np.stack((a, b, c), axis=1)[front, :, :2]
         shapes = []

@@ -142,13 +142,12 @@ def quality_of_pieces(arrays: Arrays, min_edge: float) -> MeshQuality:
 def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
     """Writes the pieces of cells in a mesh as polyhedra of a .vtu. ``columns``: as for :func:`write_mesh`."""
     pieces = t.pieces()  # type: ignore[attr-defined]
-    first = np.repeat(pieces.vertex_offsets[:-1], np.diff(pieces.triangle_offsets))
     count = len(pieces.triangles)
     arrays: Dict[str, Any] = {
         "indptr": pieces.triangle_offsets,
         "indices": np.full(count, -1, np.int32),
         "face_offsets": np.arange(0, 3 * count + 1, 3, dtype=np.int64),
-        "face_vertices": (pieces.triangles + first[:, None]).astype(np.int32),
+        "face_vertices": pieces._corners.astype(np.int32),
         "vertices": pieces.vertices,
         "cell_vertex_indptr": pieces.vertex_offsets,
         "cell_vertex_indices": np.arange(len(pieces.vertices), dtype=np.int32),

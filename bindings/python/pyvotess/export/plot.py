@@ -109,9 +109,7 @@ def sections_in_box(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, 
 
 def _sections(pieces: Any, axis: int, value: float) -> Tuple[Int64Array, List[List[Float64Array]]]:
     """Returns the pieces that a plane cuts, and their rings, which turn one way around and the other way along holes."""
-    sizes = np.diff(pieces.triangle_offsets)
-    corners = (pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], sizes)[:, None]).astype(np.int64)
-    piece = np.repeat(np.arange(len(pieces)), sizes)
+    corners, piece = pieces._corners, pieces._piece_of
     vertices = np.asarray(pieces.vertices)
     # A vertex is above the plane or below it, never on it: each triangle has one edge that leads down, and one up.
     above = vertices[corners, axis] > value
@@ -249,10 +247,8 @@ def _plot_space(t: SeedCells, pyvista: Any, color: Any, **style: Any) -> Any:
 def _plot_pieces(t: SeedCells, pyvista: Any, color: Any, **style: Any) -> Any:
     values, label = color_values(t, color)
     pieces = t.pieces()  # type: ignore[attr-defined]
-    sizes = np.diff(pieces.triangle_offsets)
-    triangles = pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], sizes)[:, None]
-    surface = pyvista.PolyData(np.array(pieces.vertices), np.insert(triangles, 0, 3, axis=1).ravel())
-    surface.cell_data[label or "value"] = np.repeat(values[pieces.cells], sizes)
+    surface = pyvista.PolyData(np.array(pieces.vertices), np.insert(pieces._corners, 0, 3, axis=1).ravel())
+    surface.cell_data[label or "value"] = values[pieces.cells[pieces._piece_of]]
     return _plotter(pyvista, surface, values, label, style)
 
 

@@ -166,8 +166,7 @@ def view_of_pieces(pieces: Any, columns: Optional[Values] = None, colormap: str 
     """See :meth:`pyvotess.Pieces.view`. ``columns``: (P,) values of the pieces; default: their volumes and cells."""
     if pieces.planar:
         raise ValueError("view() works in three dimensions only: use plot(), or save the pieces as .geojson")
-    first = np.repeat(pieces.vertex_offsets[:-1], np.diff(pieces.triangle_offsets))
-    triangles = pieces.triangles.astype(np.int64) + first[:, None]
+    triangles = pieces._corners
     mesh = Mesh(
         np.asarray(pieces.triangle_offsets, np.int64), np.arange(0, 3 * len(triangles) + 1, 3), triangles.ravel(), pieces.vertices
     )

@@ -73,13 +73,11 @@ def _surfaces(
     """
     if t.in_mesh:
         p = t.pieces()  # type: ignore[attr-defined]
-        sizes = np.diff(p.triangle_offsets)
         vertices = p.vertices
         if any(t.periodic):  # move each piece to its seed
             move = _to_nearest(t, t.wrapped_points[p.cells] - p.centroids)
             vertices = vertices + np.repeat(move, np.diff(p.vertex_offsets), axis=0)
-        cells = np.repeat(p.cells, sizes)
-        ids = p.triangles + np.repeat(p.vertex_offsets[:-1], sizes)[:, None]
+        cells, ids = p.cells[p._piece_of], p._corners
         blocks = (slice(first, first + _TRIANGLES) for first in range(0, len(ids), _TRIANGLES))
         return vertices, ((cells[block], ids[block]) for block in blocks)
     mesh = mesh_of(t, caller, planar=True, may_skip=may_skip, open=open)

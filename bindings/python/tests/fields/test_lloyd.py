@@ -70,17 +70,6 @@ class Energy(unittest.TestCase):
             numeric = (energy(points + step * direction, **domain) - energy(points - step * direction, **domain)) / (2 * step)
             self.assertAlmostEqual(numeric / (gradient * direction).sum(), 1, places=6, msg=str(domain))
 
-    def test_samples(self):
-        x = uniform(20000, seed=8)
-        for periodic in (False, True):
-            points = uniform(20, seed=9)
-            away = x[:, None] - points
-            if periodic:
-                away -= np.round(away)
-            samples = (away**2).sum(axis=2).min(axis=1)
-            error = samples.std() / np.sqrt(len(x))
-            self.assertLess(abs(energy(points, box=UNIT_BOX, periodic=periodic) - samples.mean()), 4 * error)
-
     def test_blocks(self):
         points = uniform(SEEDS)
         for density in (None, lambda x: 1 + x[:, 0]):
