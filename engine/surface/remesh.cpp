@@ -258,6 +258,7 @@ public:
         mesh.vertices = vertices_of_parts();
         Regions regions = regions_of_parts();
         split(regions, count_ - 1, mesh.vertices);
+        close_gaps(regions, mesh.vertices);
         mesh.triangles = regions.triangles();
         flip_flat(mesh.vertices, options_.sharp, mesh.triangles);
         SurfaceRelaxation relaxed = relaxation_->take();
@@ -391,6 +392,21 @@ private:
         for (std::size_t i = 0; i < places.size(); ++i)
             if (regions.is_cut(i))
                 std::ranges::copy(places[i], vertices.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+
+    // Moves vertices onto features that the mesh would miss, where they are not seeds.
+    void close_gaps(const Regions& regions, std::vector<double>& vertices) const {
+        std::vector<std::uint8_t> is_seed;  // by region
+        for (const std::int32_t pieces : relaxation_->cells().pieces)
+            is_seed.insert(is_seed.end(), at(pieces), pieces == 1 ? 1 : 0);
+        is_seed.resize(regions.size());
+        std::vector<std::uint8_t> is_moved(regions.size());
+        for (const Features::Gap& gap : features_.gaps(regions.faces(), vertices)) {  // corners first
+            if ((is_seed[gap.piece] != 0 && !regions.is_cut(gap.piece)) || is_moved[gap.piece] != 0) continue;
+            if (!gap.is_corner && !gap.is_near) continue;
+            is_moved[gap.piece] = 1;
+            std::ranges::copy(gap.place, vertices.begin() + static_cast<std::ptrdiff_t>(3 * gap.piece));
+        }
     }
 
     // Returns the vertex of each connected part. A seed is the vertex of its only part.

@@ -221,7 +221,9 @@ class Surface(unittest.TestCase):
                     self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}), case)
                     used = len(np.unique(mesh.triangles))
                     self.assertEqual(used - len(edges) // 2 + len(mesh.triangles), 2 - 2 * (cells // 2) ** 2, case)
-                    self.assertEqual((used, mesh.border_edges, mesh.crowded_edges), (len(mesh.vertices), 0, 0), case)
+                    self.assertEqual((mesh.border_edges, mesh.crowded_edges), (0, 0), case)
+                    self.assertTrue(len(mesh.faults) == 0 or n == 40, case)  # 40 may be too few for all corners
+                    self.assertEqual(used, len(mesh.vertices), case)
                     # Each vertex is on the surface.
                     a, b, c = np.moveaxis(surface[0][surface[1]], 1, 0)
                     normals = np.cross(b - a, c - a)
