@@ -357,8 +357,7 @@ private:
                     if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
-                if (bad[piece] != 0 && corners[piece] >= 0)
-                    add(place_of(cells.vertices, at(corners[piece])));
+                if (bad[piece] != 0 && corners[piece] >= 0) add(place_of(cells.vertices, at(corners[piece])));
             // More seeds at places that sheets of the surface share would not close them.
             if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
             if (more.empty() && !is_moved) {
@@ -390,8 +389,7 @@ private:
         }
         vertices.resize(3 * places.size());
         for (std::size_t i = 0; i < places.size(); ++i)
-            if (regions.is_cut(i))
-                std::ranges::copy(places[i], vertices.begin() + static_cast<std::ptrdiff_t>(3 * i));
+            if (regions.is_cut(i)) std::ranges::copy(places[i], vertices.begin() + static_cast<std::ptrdiff_t>(3 * i));
     }
 
     // Moves vertices onto features that the mesh would miss, where they are not seeds.
