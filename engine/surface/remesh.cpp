@@ -39,6 +39,7 @@ constexpr unsigned max_rounds = 10, steps_of_round = 3;
 // Those at parts that do not fit together are added in the first rounds. Later these are split: more seeds would mend
 // some and make others, as where cells mix the sides of a thin sheet.
 constexpr unsigned rounds_of_parts = 3;
+constexpr std::size_t max_splits = 4;  // parts added, in units of the vertices requested
 // First, seeds move to features that the mesh misses. Then they are added there: in the last rounds at borders alone,
 // and without steps, which would move others off again.
 constexpr unsigned moving_rounds = 4, still_rounds = 20;
@@ -257,7 +258,7 @@ public:
         Remesh mesh;
         mesh.vertices = vertices_of_parts();
         Regions regions = regions_of_parts();
-        split(regions, count_ - 1, mesh.vertices);
+        split(regions, max_splits * (count_ - 1), mesh.vertices);
         close_gaps(regions, mesh.vertices);
         mesh.triangles = regions.triangles();
         flip_flat(mesh.vertices, options_.sharp, mesh.triangles);
