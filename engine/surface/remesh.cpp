@@ -39,6 +39,7 @@ constexpr unsigned max_rounds = 10, steps_of_round = 3;
 // Those at parts that do not fit together are added in the first rounds. Later these are split: more seeds would mend
 // some and make others, as where cells mix the sides of a thin sheet.
 constexpr unsigned rounds_of_parts = 3;
+constexpr std::size_t max_splits = 4;  // parts added, in units of the vertices requested
 // First, seeds move to features that the mesh misses. Then they are added there: in the last rounds at borders alone,
 // and without steps, which would move others off again.
 constexpr unsigned moving_rounds = 4, still_rounds = 20;
@@ -257,7 +258,8 @@ public:
         Remesh mesh;
         mesh.vertices = vertices_of_parts();
         Regions regions = regions_of_parts();
-        split(regions, count_ - 1, mesh.vertices);
+        split(regions, max_splits * (count_ - 1), mesh.vertices);
+        close_gaps(regions, mesh.vertices);
         mesh.triangles = regions.triangles();
         flip_flat(mesh.vertices, options_.sharp, mesh.triangles);
         SurfaceRelaxation relaxed = relaxation_->take();
@@ -356,8 +358,7 @@ private:
                     if (cells.beyond[at(c)] >= 0 && has_gap[at(cells.beyond[at(c)])] != 0) is_bad = 0;
             }
             for (std::size_t piece = 0; piece < bad.size(); ++piece)
-                if (bad[piece] != 0 && corners[piece] >= 0)
-                    add(place_of(cells.vertices, at(corners[piece])));
+                if (bad[piece] != 0 && corners[piece] >= 0) add(place_of(cells.vertices, at(corners[piece])));
             // More seeds at places that sheets of the surface share would not close them.
             if (round >= max_rounds && at_borders >= std::exchange(open, at_borders)) return;
             if (more.empty() && !is_moved) {
@@ -389,8 +390,22 @@ private:
         }
         vertices.resize(3 * places.size());
         for (std::size_t i = 0; i < places.size(); ++i)
-            if (regions.is_cut(i))
-                std::ranges::copy(places[i], vertices.begin() + static_cast<std::ptrdiff_t>(3 * i));
+            if (regions.is_cut(i)) std::ranges::copy(places[i], vertices.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+
+    // Moves vertices onto features that the mesh would miss, where they are not seeds.
+    void close_gaps(const Regions& regions, std::vector<double>& vertices) const {
+        std::vector<std::uint8_t> is_seed;  // by region
+        for (const std::int32_t pieces : relaxation_->cells().pieces)
+            is_seed.insert(is_seed.end(), at(pieces), pieces == 1 ? 1 : 0);
+        is_seed.resize(regions.size());
+        std::vector<std::uint8_t> is_moved(regions.size());
+        for (const Features::Gap& gap : features_.gaps(regions.faces(), vertices)) {  // corners first
+            if ((is_seed[gap.piece] != 0 && !regions.is_cut(gap.piece)) || is_moved[gap.piece] != 0) continue;
+            if (!gap.is_corner && !gap.is_near) continue;
+            is_moved[gap.piece] = 1;
+            std::ranges::copy(gap.place, vertices.begin() + static_cast<std::ptrdiff_t>(3 * gap.piece));
+        }
     }
 
     // Returns the vertex of each connected part. A seed is the vertex of its only part.

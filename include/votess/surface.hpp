@@ -179,10 +179,10 @@ struct VOTESS_API Remesh {
 // are added there. So the mesh ends where the surface does. Sharp edges closer to each other than the triangles are
 // long may share vertices. Where cells fall into several parts, fewer seeds make the same number of vertices. Where the
 // mesh would differ from the surface, as around thin bars, seeds are added; in all at most `count`. Parts that still do
-// not fit together are split, into at most `count` more, each with a vertex of its own: so the mesh is closed, and has
-// the handles of the surface, where that is a manifold. `faults` has what is left. Flat triangles are mended by flips
-// of their longest edge. The same on any number of threads. Throws as surface_cells(); and invalid_argument for a count
-// of 0 or of more than 2^28, and for a bad angle.
+// not fit together are split, into at most 4 `count` more, each with a vertex of its own: so the mesh is closed, and
+// has the handles of the surface, where that is a manifold. `faults` has what is left. Flat triangles are mended by
+// flips of their longest edge. The same on any number of threads. Throws as surface_cells(); and invalid_argument for a
+// count of 0 or of more than 2^28, and for a bad angle.
 [[nodiscard]] VOTESS_API Remesh remesh(const TriangleMesh& surface, std::size_t count,
                                        const RemeshOptions& options = {});
 

@@ -2,7 +2,7 @@
 """Cells on surfaces and new meshes of them, beside GEOGRAM and pyacvd. See README.md.
 
     pip install numpy trimesh pyacvd geogram; build the library of GEOGRAM's part as README.md says
-    PYTHONPATH=bindings/python tools/bench/surfaces.py areas --geogram libsurface_geogram.so bunny.ply
+    PYTHONPATH=bindings/python tools/bench/surfaces.py cells --geogram libsurface_geogram.so bunny.ply
     PYTHONPATH=bindings/python tools/bench/surfaces.py remesh --geogram libsurface_geogram.so MODEL...
 """
 
@@ -29,18 +29,19 @@ def load(path):
 class Geogram:
     def __init__(self, path):
         self.peer = ctypes.CDLL(path)
-        for name in ("geogram_areas", "geogram_remesh"):
+        for name in ("geogram_cells", "geogram_remesh"):
             getattr(self.peer, name).restype = ctypes.c_double
 
-    def areas(self, points, vertices, triangles):
+    def cells(self, points, vertices, triangles, what):
         areas = np.zeros(len(points))
-        seconds = self.peer.geogram_areas(points.ctypes, len(points), vertices.ctypes, len(vertices), triangles.ctypes,
-                                             len(triangles), areas.ctypes)
+        seconds = self.peer.geogram_cells(points.ctypes, len(points), vertices.ctypes, len(vertices), triangles.ctypes,
+                                          len(triangles), what, areas.ctypes)
         return areas, seconds
 
     def remesh(self, vertices, triangles, count):
         v, t = ctypes.c_int(), ctypes.c_int()
-        seconds = self.peer.geogram_remesh(count, vertices.ctypes, len(vertices), triangles.ctypes, len(triangles), ctypes.byref(v), ctypes.byref(t))
+        seconds = self.peer.geogram_remesh(count, vertices.ctypes, len(vertices), triangles.ctypes, len(triangles),
+                                           ctypes.byref(v), ctypes.byref(t))
         made, corners = np.empty((v.value, 3)), np.empty((t.value, 3), np.int32)
         self.peer.geogram_take(made.ctypes, corners.ctypes)
         return made, corners, seconds
@@ -105,21 +106,25 @@ def hausdorff(one, other):
     return largest**0.5
 
 
-def compare_areas(arguments):
+def compare_cells(arguments):
     geogram = Geogram(arguments.geogram)
     for path in arguments.models:
         vertices, triangles = load(path)
         points = random_places(vertices, triangles, arguments.n)
-        ours, theirs = [], []
-        for _ in range(arguments.repeats):  # in turns
-            began = time.process_time()
-            cells = vt.surface(points, vertices, triangles, want="areas", threads=1)
-            ours.append(time.process_time() - began)
-            areas, seconds = geogram.areas(points, vertices, triangles)
-            theirs.append(seconds)
-        off = np.abs(areas - cells.areas).max() / cells.areas.mean()
-        print(f"{Path(path).name}: {len(triangles)} triangles, {len(points)} seeds: votess {min(ours):.3f} s of the CPU, geogram "
-              f"{min(theirs):.3f} s, {min(theirs) / min(ours):.2f} times as long; areas differ by up to {off:.1e} of the mean")
+        print(f"{Path(path).name}: {len(triangles)} triangles, {len(points)} seeds; seconds of the CPU")
+        # The same in both: areas; areas and centroids; polygons; polygons and the dual of connected parts.
+        for what, want in enumerate(("areas", "nearest", "polygons", "all"), 1):
+            ours, theirs = [], []
+            for _ in range(arguments.repeats):  # in turns
+                began = time.process_time()
+                cells = vt.surface(points, vertices, triangles, want=want, threads=1)
+                ours.append(time.process_time() - began)
+                areas, seconds = geogram.cells(points, vertices, triangles, what)
+                theirs.append(seconds)
+            print(f"  {want:8s} votess {min(ours):.3f}, geogram {min(theirs):.3f}, {min(theirs) / min(ours):.2f} times as long",
+                  end="")
+            off = np.abs(areas - cells.areas).max() / cells.areas.mean()
+            print(f"; areas differ by up to {off:.1e} of the mean" if what < 3 else "", flush=True)
 
 
 def compare_meshes(arguments):
@@ -148,14 +153,14 @@ def remesh(vertices, triangles, count):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("areas", "remesh"))
+    parser.add_argument("what", choices=("cells", "remesh"))
     parser.add_argument("models", nargs="+")
     parser.add_argument("--geogram", help="the library made of peers/surface_geogram.cpp")
     parser.add_argument("--n", type=int, help="seeds, or vertices of a new mesh; default 100000, or 5000")
     parser.add_argument("--repeats", type=int, default=3)
     arguments = parser.parse_args()
-    arguments.n = arguments.n or (100_000 if arguments.what == "areas" else 5000)
-    (compare_areas if arguments.what == "areas" else compare_meshes)(arguments)
+    arguments.n = arguments.n or (100_000 if arguments.what == "cells" else 5000)
+    (compare_cells if arguments.what == "cells" else compare_meshes)(arguments)
 
 
 if __name__ == "__main__":

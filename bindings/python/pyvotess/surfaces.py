@@ -329,7 +329,7 @@ def remesh(
     added at corners and borders that the triangles would miss, as in sharp tips. So the mesh ends where the surface does. Where
     cells fall into several parts, as on both sides of a thin plate, fewer seeds make the same number of vertices. Where the
     mesh would differ from the surface, as around thin bars, seeds are added, at most ``n`` in all. Parts that still do not fit
-    together are split, into at most ``n`` more, each with a vertex of its own: so the mesh is closed, and has the handles of
+    together are split, into at most ``4 n`` more, each with a vertex of its own: so the mesh is closed, and has the handles of
     the surface, where that is a manifold. ``faults`` lists the seeds where that did not help. Flat triangles are mended by
     flips of their longest edge. Sharp edges nearer to each other than the triangles are long may share vertices: ``distance``
     tells.

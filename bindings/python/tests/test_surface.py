@@ -186,9 +186,11 @@ class Surface(unittest.TestCase):
 
     def test_remesh_is_like_the_surface(self):
         # Bars thinner than the triangles are long: cells go around them, and mix their sides.
-        for cells in (3, 5, 7):
+        for cells in (1, 3, 5, 7):
             for thickness in (0.01, 0.3, 1.0):
                 surface = grating(cells, thickness)
+                if cells == 1:  # a bar
+                    surface = surface[0] * (1, 0.01, 1), surface[1]
                 for n in (40, 200):
                     mesh = vt.remesh(*surface, n, steps=8)
                     edges = directed_edges(mesh.triangles)
@@ -196,7 +198,9 @@ class Surface(unittest.TestCase):
                     self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}), case)
                     used = len(np.unique(mesh.triangles))
                     self.assertEqual(used - len(edges) // 2 + len(mesh.triangles), 2 - 2 * (cells // 2) ** 2, case)
-                    self.assertEqual((used, mesh.border_edges, mesh.crowded_edges), (len(mesh.vertices), 0, 0), case)
+                    self.assertEqual((mesh.border_edges, mesh.crowded_edges), (0, 0), case)
+                    self.assertTrue(len(mesh.faults) == 0 or n == 40, case)  # 40 may be too few for all corners
+                    self.assertEqual(used, len(mesh.vertices), case)
                     # Each vertex is on the surface.
                     a, b, c = np.moveaxis(surface[0][surface[1]], 1, 0)
                     normals = np.cross(b - a, c - a)

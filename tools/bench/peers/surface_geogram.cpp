@@ -67,19 +67,31 @@ std::vector<int> made_triangles;
 
 }  // namespace
 
-// Returns the seconds of the CPU for the areas of the cells of `count` points, with signs in double.
-extern "C" double geogram_areas(const double* points, int count, const double* vertices, int vertex_count,
-                                const int* triangles, int triangle_count, double* areas) {
+// Returns the seconds of the CPU for the cells of `count` points, with signs in double. what: 1 for areas, summed in a
+// callback of the polygons; 2 for areas and centroids; 3 for a mesh of the polygons; 4 for that mesh and the dual of
+// connected parts, which cuts the surface a second time.
+extern "C" double geogram_cells(const double* points, int count, const double* vertices, int vertex_count,
+                                const int* triangles, int triangle_count, int what, double* areas) {
     begin();
-    GEO::Mesh mesh;
+    GEO::Mesh mesh, made;
     fill(mesh, vertices, vertex_count, triangles, triangle_count);
+    std::vector<double> centroids(3 * std::size_t(count));
+    GEO::vector<GEO::index_t> dual;
+    GEO::vector<double> places;
     const double began = seconds();
     GEO::Delaunay_var delaunay = GEO::Delaunay::create(3, "NN");
     GEO::RestrictedVoronoiDiagram_var cells = GEO::RestrictedVoronoiDiagram::create(delaunay, &mesh);
     cells->set_volumetric(false);
     delaunay->set_vertices(GEO::index_t(count), points);
     Areas callback(areas);
-    cells->for_each_polygon(callback, false, false, false);
+    if (what == 1) cells->for_each_polygon(callback, false, false, false);
+    if (what == 2) cells->compute_centroids_on_surface(centroids.data(), areas);
+    if (what >= 3) cells->compute_RVD(made, 0, false, false);
+    if (what == 4)
+        cells->compute_RDT(dual, places,
+                           GEO::RestrictedVoronoiDiagram::RDTMode(GEO::RestrictedVoronoiDiagram::RDT_MULTINERVE |
+                                                                  GEO::RestrictedVoronoiDiagram::RDT_RVC_CENTROIDS |
+                                                                  GEO::RestrictedVoronoiDiagram::RDT_PREFER_SEEDS));
     return seconds() - began;
 }
 
