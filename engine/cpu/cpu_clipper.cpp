@@ -387,6 +387,10 @@ Cell& CpuClipper::clip_by_faces(std::size_t seed, Worker& worker) const {
         worker.candidates.push_back(seeds_.images == nullptr ? id : images_.home(id));
         if (seeds_.images != nullptr) worker.shifts.push_back(images_.shift(id));
     }
+    return build_from_candidates(seed, worker);
+}
+
+Cell& CpuClipper::build_from_candidates(std::size_t seed, Worker& worker) const {
     return seeds_.images == nullptr ? worker.builder.build_from(seed, worker.candidates)
                                     : worker.builder.build_from(seed, worker.candidates, worker.shifts);
 }

@@ -48,17 +48,28 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
             const auto seed = static_cast<std::size_t>(order_[k]);
             worker.writer.prefetch(seed);
             if (worker.writer.write(seed, kept.cell(seed))) continue;
-            worker.hard.push_back(static_cast<std::int32_t>(seed));  // it is made again
-            worker.writer.skip_row();
+            finish(&clip_by_faces(seed, kept.cell(seed), worker), seed, worker);
         }
         worker.writer.end_block(cells.subspan(begin, end - begin));
     });
-    const bool any_hard = std::ranges::any_of(workers_, [](const auto& worker) { return !worker->hard.empty(); });
-    if (any_hard) build_search();
-    clip_hard(out);
     end_workers(out);
     out.count({.kept_cells = cells.size()});
     return true;
+}
+
+Cell& CpuClipper::clip_by_faces(std::size_t seed, const KeptCell& cell, Worker& worker) const {
+    worker.candidates.clear();
+    worker.shifts.clear();
+    for (std::size_t f = 0; f < cell.faces(); ++f) {
+        const std::int32_t id = cell.ids()[f];
+        if (id < 0) continue;
+        worker.candidates.push_back(id);
+        if (seeds_.images == nullptr) continue;
+        const exact::Shift from_domain = images_.shift_in_domain(id, seed);
+        exact::Shift& shift = worker.shifts.emplace_back(cell.shift(f));
+        for (std::size_t j = 0; j < 3; ++j) shift[j] -= from_domain[j];
+    }
+    return build_from_candidates(seed, worker);
 }
 
 // Their rows are not written, so any order of their faces will do.

@@ -16,6 +16,8 @@ constexpr double first_change = 1;  // of log volume: root of the mean square, w
 constexpr double min_goal = 0.25;   // goal / volume: smaller cells die when larger ones move
 constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
+// Steps from a larger residual change most cells.
+constexpr double long_step = 1;
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
 constexpr double dying = 1e-4, max_dying = 0.1;
 constexpr int max_revivals = 3, max_first_revivals = 40;
@@ -28,7 +30,7 @@ constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_fille
 constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
 
 // A first step shorter than this, of so many seeds, is worth a fit of fewer seeds.
-constexpr double hard_share = 0.15;
+constexpr double hard_share = 0.12;
 constexpr Eigen::Index min_seeds = 256;
 constexpr double part_tolerance = 0.1;
 
@@ -87,13 +89,19 @@ Weighted Newton::tessellate(Vector weights, Runner& runner) {
 }
 
 // A runner that cannot repair the cells of its last call keeps few of the next ones, but a new one keeps all. Steps are
-// short in the end.
+// short in the end, and revivals change few cells.
 Weighted Newton::tessellate(Vector weights) {
     Weighted result = tessellate(std::move(weights), runner_);
-    const bool renew = !is_first_run_ && result.tessellation.stats().kept_cells == 0;
-    if (renew) runner_ = Runner();
-    is_first_run_ = renew;
+    if (!is_first_run_ && result.tessellation.stats().kept_cells == 0)
+        forget();
+    else
+        is_first_run_ = false;
     return result;
+}
+
+void Newton::forget() {
+    runner_ = Runner();
+    is_first_run_ = true;
 }
 
 void Newton::measure(Weighted& of) const {
@@ -131,6 +139,7 @@ std::vector<double> Newton::areas() const {
 }
 
 Weighted Newton::trial(const Vector& step) {
+    if (now_.residual > long_step) forget();
     const Vector least = dying * now_.volumes.cwiseMin(problem_.targets);
     return revived(tessellate(now_.weights + step), now_.tessellation, least, max_revivals, left_small, max_dying);
 }
@@ -180,6 +189,7 @@ void Newton::start_from_fewer() {
     const Weighted& few = part.now();
     if (!(few.volumes.minCoeff() > 0)) return;
     Vector weights = spread(problem_, few);
+    forget();
     weights.array() += now_.weights.mean() - weights.mean();
     Weighted next = revived(tessellate(std::move(weights)), now_.tessellation, dying * problem_.targets,
                             max_first_revivals, first_left_small, 1);

@@ -73,6 +73,7 @@ private:
     // Returns a diagram near the last one, or elsewhere.
     [[nodiscard]] Weighted tessellate(Vector weights);
     [[nodiscard]] Weighted tessellate(Vector weights, Runner& runner);
+    void forget();                     // the last diagram: the next one is far from it
     void measure(Weighted& of) const;  // at this lift
     void sink();                       // lowers the lift
     [[nodiscard]] std::vector<double> areas() const;

@@ -129,18 +129,20 @@ bool find_flip(std::span<std::byte* const> cells, std::size_t seed, const SignTe
     if (corners > 3) return false;
     out.joins = corners == 2;
     // Signs.
-    const auto normal = [&](std::size_t k) { return signs.plane[face[k]]; };
+    std::array<std::array<double, 4>, 5> normal{};
+    for (std::size_t k = 1; k < 5; ++k)
+        for (std::size_t j = 0; j < 4; ++j) normal[k][j] = signs.plane[face[k]][j] * signs.unit[face[k]];
     double volume[5];  // of the tetrahedra of all members but one
     for (std::size_t k = 1; k < 5; ++k) {
         const auto three = others(0, k);
-        volume[k] = determinant(normal(three[0]), normal(three[1]), normal(three[2]));
+        volume[k] = determinant(normal[three[0]].data(), normal[three[1]].data(), normal[three[2]].data());
     }
     volume[0] = 0;
     double side = 0;  // of the last plane from the corner
     for (std::size_t k = 1; k < 5; ++k) {
         const double signed_volume = k % 2 != 0 ? volume[k] : -volume[k];
         if (out.id[k] >= 0) volume[0] += signed_volume;
-        side -= signed_volume * normal(k)[3];
+        side -= signed_volume * normal[k][3];
     }
     if (!(side > 0)) return false;
     for (std::size_t k = 0; k < 5; ++k)

@@ -43,7 +43,9 @@ inline std::array<double, 3> nearest_way(const SignFrame& frame, const double* f
 // Scratch and outcome. Margins above 0 are right signs.
 struct alignas(64) SignTest {
     static constexpr int max_tests = 3 * CellShape::max_corners / 2;
-    alignas(32) double plane[CellShape::max_planes][4];    // n.x = d, relative to the seed, as n and -d
+    // n.x = d, relative to the seed, as n and -d over a power of two, which is the unit.
+    alignas(32) double plane[CellShape::max_planes][4];
+    double unit[CellShape::max_planes];
     alignas(32) double corner[CellShape::max_corners][4];  // in homogeneous numbers
     double corner_margin[CellShape::max_corners];
     double test_margin[max_tests];

@@ -1,16 +1,18 @@
-// Bounds. Lengths of normals are at most A. Each is wrong by at most e = 2 u A + 2 slack, u = 2^-53. The numbers d =
-// n.n / 2
-// + (w - w') / 2 have terms of at most D >= A^2 / 2 and are wrong by A e + 4 u D. Products of two normals are wrong by
-// 2 A e
-// + 6 u A^2. Hence the determinant W of three normals is wrong by 3 A^2 e + 10 u A^3, and the corner X, the sum of d b
-// x c, by 12 A D e + 42 u D A^2. With |X| <= 3 D A^2 and |W| <= A^3, n.X - d W is wrong by
-//     20 D A^2 e + 72 u D A^3.
-// The factors below are larger, for what is of second order. A wall has a normal of length A and d = A times its
-// distance, so that it fits among the others.
+// Bounds. Each plane is scaled by a power of two, so that the length of its normal is from 1 to A = 2. So far planes do
+// not blur near ones. A normal is then wrong by at most e = 4 u + 2 slack, u = 2^-53, with the slack times the largest
+// scale. The numbers d = n.n / 2 + (w - w') / 2 have terms of at most D, where D >= |n| / 2 for all normals before they
+// are scaled. They are wrong by 2 D e + 4 u D. Products of two normals are wrong by 2 A e + 6 u A^2. Hence the
+// determinant W of three normals is wrong by 3 A^2 e + 10 u A^3, and the corner X, the sum of d b x c, by 18 A D e + 42
+// u D A^2. With |X| <= 3 D A^2 and |W| <= A^3, n.X - d W is wrong by
+//     28 D A^2 e + 72 u D A^3.
+// The factors below are larger, for what is of second order. A wall has a normal of length 1 and d = its distance, so
+// that it fits among the others.
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "follow/sign_test.hpp"
 
@@ -31,11 +33,19 @@ private:
         const Wide c = a * turned_b - turned_a * b;
         out = __builtin_shufflevector(c, c, 1, 2, 0, 3);
     }
+    // Returns the power of two that brings the root of a normal number to 1 or more, and below 2.
+    [[gnu::always_inline]] static double inverse_power(double square) {
+        constexpr std::int64_t bias = 1023;
+        constexpr int mantissa = 52;
+        const std::int64_t exponent = (std::bit_cast<std::int64_t>(square) >> mantissa) - bias;
+        return std::bit_cast<double>((bias - (exponent >> 1)) << mantissa);
+    }
 };
 
 template <class Isa>
 bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptCell& cell, SignTest& out) {
     constexpr double u = 0x1p-53, least = 0x1p-160, most = 0x1p160;  // fifth powers neither underflow nor overflow
+    constexpr double length = 2, square = length * length, max_error = 0x1p-10;
     const KeptCell::Head& head = cell.head();
     out.tested = false;
     const std::int32_t* const ids = cell.ids().data();
@@ -43,7 +53,7 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
     const SeedPlace& own = frame.places[seed];
     const Wide at{own.x[0], own.x[1], own.x[2], 0};
     Wide *const planes = reinterpret_cast<Wide*>(out.plane), *const corners = reinterpret_cast<Wide*>(out.corner);
-    double longest = 0, terms = 0;
+    double longest = 0, shortest = most * most, size = 0, largest_scale = 0;
     int walls = 0;
     for (; walls < faces && ids[walls] < 0;) ++walls;  // they come first
     for (int f = walls; f < faces; ++f) {
@@ -61,32 +71,38 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
         const Wide square = n * n;
         const double length2 = square[0] + square[1] + square[2];
         longest = std::max(longest, length2);
-        double d = 0.5 * length2;
+        shortest = std::min(shortest, length2);
+        double d = 0.5 * length2, terms = d;
         if (frame.weighted) {
-            d += 0.5 * (own.weight - other.weight);
-            terms = std::max(terms, std::abs(own.weight) + std::abs(other.weight));
+            const double heavier = 0.5 * (own.weight - other.weight);
+            d += heavier;
+            terms += std::abs(heavier);
         }
         n[3] = -d;
-        planes[f] = n;
+        const double scale = inverse_power(length2);
+        out.unit[f] = 1 / scale;
+        largest_scale = std::max(largest_scale, scale);
+        size = std::max(size, terms * scale);
+        planes[f] = scale * n;
     }
-    const double length = std::sqrt(longest) * (1 + 8 * u);
-    double size = 0.5 * (longest + terms) * (1 + 8 * u);
     for (int f = 0; f < walls; ++f) {
         const int axis = (-1 - ids[f]) / 2;
         const bool up = (-1 - ids[f]) % 2 != 0;
         const double distance = up ? frame.upper[axis] - own.x[axis] : own.x[axis] - frame.lower[axis];
         if (!(distance > 0)) return false;
         Wide n{};
-        n[axis] = up ? length : -length;
-        n[3] = -length * distance;
-        size = std::max(size, length * distance * (1 + 8 * u));
+        n[axis] = up ? 1 : -1;
+        n[3] = -distance;
+        size = std::max(size, distance);
         planes[f] = n;
+        out.unit[f] = 1;
     }
-    if (!(length > least && size < most)) return false;
-    const double error = 2 * u * length + 2 * frame.slack, square = length * length;
+    size *= 1 + 8 * u;
+    const double slack = frame.slack * largest_scale, error = 2 * u * length + 2 * slack;
+    if (!(shortest > least * least && size > least && size < most && error < max_error)) return false;
     const double w_bound = square * (4 * error + 14 * u * length);
-    const double x_bound = length * size * (14 * error + 48 * u * length);
-    const double bound = size * square * (24 * error + 90 * u * length);
+    const double x_bound = length * size * (20 * error + 48 * u * length);
+    const double bound = size * square * (32 * error + 90 * u * length);
     const double reach2 = frame.reach_squared;
     int wrong = 0;
     const KeptCell::Corner* const corner = cell.corners().data();
@@ -124,7 +140,7 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
     const Wide ways = way * way;
     const double away = std::sqrt(ways[0] + ways[1] + ways[2]);
     way[3] = 1;
-    const double tolerance = 0x1p-40 * (length * away + size) + 4 * frame.slack * (length + away);
+    const double tolerance = 0x1p-40 * (length * away + size) + 4 * slack * (std::sqrt(longest) + away);
     out.may_hold = true;
     for (int f = 0; f < faces && out.may_hold; ++f) {
         const Wide value = planes[f] * way;

@@ -10,6 +10,7 @@
 #include "fuzz/kinds/kinds.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "votess/fit.hpp"
 
 namespace {
 
@@ -85,6 +86,26 @@ TEST_SUITE("cases") {
                 std::copy_n(m.points.begin() + 60, 3, m.points.begin());  // a duplicate
                 CHECK(m.call() == 0);
             }
+    }
+
+    // Neighbors of the same cluster are near, those of others far, and corners are far from all of them.
+    TEST_CASE("follow: tight clusters whose cells fill much of the box") {
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            Moving m(400);
+            m.options.periodic = {periodic, periodic, periodic};
+            for (std::size_t c = periodic ? 1080 : 0; c < m.points.size(); ++c)  // in a period cells cannot be farther
+                m.points[c] = 0.3 + 0.4 * (periodic ? 0.5 : (c / 3 >> c % 3 & 1) != 0) + 1e-4 * m.random.gaussian();
+            const std::vector<double> equal(400, 0.0025);
+            std::vector<double> weights =
+                votess::fit_volumes(m.points, equal, m.options, {.tolerance = 1e-2, .normalize = true}).weights;
+            m.options.weights = weights;
+            CHECK(m.call() == 0);
+            CHECK(m.call() > 0.9);
+            for (double& weight : weights) weight += 1e-9 * m.random.uniform();
+            m.options.weights = weights;
+            CHECK(m.call() > 0.9);
+        }
     }
 
     // Threads flip in ranges of seeds, which begin elsewhere the second time.
