@@ -65,7 +65,8 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     // A home may span far more than its surroundings, where the curve leaves a cluster.
     if (!window_open_) {
         box = {p_, p_};
-        window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
+        is_bent_ = false;
+        window_open_ = window_.open(home, box, radius, tilt, cells_, nullptr);
         window_home_ = ~std::size_t{0};
     }
     if (!window_open_) return;
@@ -251,19 +252,25 @@ void StarWalk<Isa>::lay_bend(std::size_t home) {
             0.25 * (boxes.lower[k][i] + boxes.upper[k][i] + boxes.lower[k][i + 1] + boxes.upper[k][i + 1]);
     bent_.tilt.least = std::numeric_limits<double>::infinity();
     bent_.max_turned = 0;
+    WeightBend& bend = bent_.bend;
+    bend.steepest_slope = std::max({std::abs(tilt_.slope[0]), std::abs(tilt_.slope[1]), std::abs(tilt_.slope[2])});
+    double largest = 0;  // of y.A.y
     for (std::size_t s = begin; s < end; ++s) {
         const exact::Point x{seeds_.x[s], seeds_.y[s], seeds_.z[s]};
         const Four turn = turn_at(x);
-        double bends = 0, size = 0;
+        double bends = 0, size = 0, square = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double by = 0.5 * turn.x[k] * (x[k] - bent_.tilt.origin[k]);
+            const double y = x[k] - bent_.tilt.origin[k], by = 0.5 * turn.x[k] * y;
             bends += by;
             size += std::abs(by);
+            square += y * y;
         }
+        largest = std::max(largest, square - bends + 64 * unit * (square + size));
         const double rho = least_residual(bent_.tilt, seeds_.weights[s], x) - bends - 64 * unit * size;
         bent_.tilt.least = std::min(bent_.tilt.least, rho);
         bent_.max_turned = std::max(bent_.max_turned, 0.5 * std::sqrt(dot(wide(turn), wide(turn))) * (1 + 8 * unit));
     }
+    bend.radius = std::sqrt(largest) * (1 + 1e-12);
 }
 
 // Returns by how much the slope at a place differs from that of the tilt.

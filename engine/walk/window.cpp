@@ -59,7 +59,7 @@ bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, cons
         const WeightBlock& weights = hierarchy_.weight_bounds(node.level, node.index);
         return bent == nullptr || node.level > max_bent_level
                    ? kernels_.near_heavier(boxes, weights, box, *tilt, {length, 0, 0})
-                   : bent_kernels_.near_bent(boxes, weights, box, bent->tilt, bent->bend,
+                   : bent_kernels_.near_bent(boxes, weights, bent->tilt, bent->bend,
                                              0.5 * radius / std::sqrt(bent->gain));
     });
 }

@@ -312,7 +312,14 @@ TEST_SUITE("stages") {
                 const double rho = noise * random.uniform(-1, 1);
                 home_weights[s] = quadratic(home_seeds[s]) + rho;
                 tilt.least = std::min(tilt.least, rho - 1e-12);
+                double square = 0;
+                for (std::size_t k = 0; k < 3; ++k)
+                    for (std::size_t j = 0; j < 3; ++j)
+                        square += (home_seeds[s][k] - tilt.origin[k]) * (home_seeds[s][j] - tilt.origin[j]) *
+                                  ((k == j ? 1 : 0) - bent.bend[k][j]);
+                bent.radius = std::max(bent.radius, std::sqrt(square) * (1 + 1e-12));
             }
+            for (const double slope : tilt.slope) bent.steepest_slope = std::max(bent.steepest_slope, std::abs(slope));
             BoxBlock block;
             WeightBlock bounds;
             std::array<bool, box_fan> must{};
@@ -363,7 +370,7 @@ TEST_SUITE("stages") {
                 bounds.top[missing] = -infinity;
             }
             test::for_each_set([&](const StarKernels& kernels) {
-                const unsigned near = bent_kernels(kernels.name).near_bent(block, bounds, home, tilt, bent, length);
+                const unsigned near = bent_kernels(kernels.name).near_bent(block, bounds, tilt, bent, length);
                 for (std::size_t i = 0; i < box_fan; ++i) {
                     if (must[i]) REQUIRE((near >> i & 1) == 1);
                     if (block.lower[0][i] == infinity) REQUIRE((near >> i & 1) == 0);
