@@ -216,8 +216,8 @@ VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, c
     }
 }
 
-// The test of near_bent() for seeds at places y whose lengths by A have squares of at least `squares`, and whose rho are
-// larger than the least of the home by at most `excess`.
+// The test of near_bent() for seeds at places y whose lengths by A have squares of at least `squares`, and whose rho
+// are larger than the least of the home by at most `excess`.
 //
 // A seed of the home lies within `radius`, so |n|_A is at least D = |y|_A - radius. From D^2 - 2 length D >= excess
 // follows that the plane is farther away.
@@ -278,7 +278,8 @@ VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, cons
         least -= rounding * (1 + 3 * bent.largest) * across * across;
         within_bent(least, excess - t.least + residual_slack * size, bent, length, out[i / 4]);
         // Missing boxes have no center.
-        out[i / 4] &= *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
+        out[i / 4] &=
+            *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
     }
 }
 
@@ -299,8 +300,8 @@ VOTESS_INLINE void near_bent_seeds(const Double4 (&x)[3], const Double4& weight,
         excess -= y[k] * t.slope[k];
     }
     size += across * (bent.steepest_slope + (3 * bent.largest) * across);
-    within_bent(square - bends - 1e-12 * (1 + 3 * bent.largest) * square, excess - bends - t.least + residual_slack * size, bent,
-                frame.length, out);
+    within_bent(square - bends - 1e-12 * (1 + 3 * bent.largest) * square,
+                excess - bends - t.least + residual_slack * size, bent, frame.length, out);
     out &= x[0] < std::numeric_limits<double>::infinity();  // padding
 }
 
@@ -397,8 +398,8 @@ struct Baseline {
         return write_window<true>(from, frame, out, ids, residual);
     }
     template <bool Weighted, class Frame>
-    static int write_window(const GroupSource& from, const Frame& frame, std::int32_t* const* out,
-                            std::int32_t* ids, [[maybe_unused]] float* residual) {
+    static int write_window(const GroupSource& from, const Frame& frame, std::int32_t* const* out, std::int32_t* ids,
+                            [[maybe_unused]] float* residual) {
         constexpr double range = window_range;
         int count = 0;
         for (std::size_t g = 0; g < from.groups.size(); ++g) {

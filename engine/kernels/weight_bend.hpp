@@ -14,10 +14,10 @@ namespace votess::cpu {
 // So the plane of a seed n away is n.X = (n.A.n + rho_p - rho_q) / 2 with A = 1 - bend: where rho is small, the diagram
 // is a Voronoi diagram with the lengths of A, and cells are as long as those are short.
 struct WeightBend {
-    double bend[3][3];   // symmetric
-    double downward[3];  // -y.bend.y is at most the sum of downward y^2
-    double largest;      // of |bend|
-    double steepest;     // less than 1: n.bend.n is at most steepest n^2
+    double bend[3][3];      // symmetric
+    double downward[3];     // -y.bend.y is at most the sum of downward y^2
+    double largest;         // of |bend|
+    double steepest;        // less than 1: n.bend.n is at most steepest n^2
     double steepest_slope;  // the largest of |slope|
     double radius;          // y.A.y is at most its square for the seeds of the home
 };

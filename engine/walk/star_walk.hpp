@@ -39,7 +39,7 @@ private:
     static constexpr double far_share = 16;           // of the squared reach: far beyond
     static constexpr double allowed_misses = 0.35;    // searches for a cell
     // Shares of the reach, and of the bend of the weights. Less is not worth the tests.
-    static constexpr double min_turned = 0.08, min_steepest = 0.3;
+    static constexpr double min_turned = 0.15, min_steepest = 0.5, min_stretch = 1.6;
     static constexpr int max_candidates = 160;  // at first; leaves room for others
     static constexpr int enough_candidates = 80;
     static constexpr int crowded = 192;               // more candidates leave too little room for a search

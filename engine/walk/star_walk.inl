@@ -59,7 +59,8 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     if (weighted_) find_tilt(home, box);
     const WeightTilt* tilt = weighted_ ? &tilt_ : nullptr;
     const double radius = std::sqrt(reach2) * 1.02;
-    is_bent_ = is_bent_ && bent_.bend.steepest >= min_steepest && bent_.max_turned > min_turned * radius;
+    is_bent_ = is_bent_ && (bent_.stretch > min_stretch ||
+                            (bent_.bend.steepest >= min_steepest && bent_.max_turned > min_turned * radius));
     const Window::Bent* bent = is_bent_ ? &bent_ : nullptr;
     window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
     // A home may span far more than its surroundings, where the curve leaves a cluster.
@@ -228,6 +229,7 @@ bool StarWalk<Isa>::find_metric() {
     const double determinant = a[0][0] * c[0][0] + a[0][1] * c[0][1] + a[0][2] * c[0][2];
     const double most = 1 + *std::max_element(bend.downward, bend.downward + 3), least = 1 - bend.steepest;
     if (!(most < max_stretch * least && determinant > 0)) return false;
+    bent_.stretch = most / least;
     bent_.gain = std::cbrt(determinant);
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
