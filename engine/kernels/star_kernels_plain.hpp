@@ -245,8 +245,8 @@ VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, cons
                         upper = *reinterpret_cast<const Lanes*>(b.upper[k] + i);
             near[k] = lower - t.origin[k];
             end[k] = upper - t.origin[k];
-            y[k] = 0.5 * (near[k] + end[k]);
-            half[k] = 0.5 * (end[k] - near[k]);
+            y[k] = 0.5 * (upper + lower) - t.origin[k];
+            half[k] = 0.5 * (upper - lower);
             m[k] = near[k] > 0 ? near[k] : end[k] < 0 ? end[k] : Lanes{};
             Lanes distance;
             absolute(y[k], distance);

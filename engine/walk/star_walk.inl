@@ -216,7 +216,6 @@ bool StarWalk<Isa>::bound_bend() {
 // Returns false if it differs too much from lengths in space, for floats.
 template <class Isa>
 bool StarWalk<Isa>::find_metric() {
-    constexpr double max_stretch = 256;
     const WeightBend& bend = bent_.bend;
     double a[3][3], c[3][3];  // A, and its cofactors
     for (std::size_t i = 0; i < 3; ++i)
@@ -434,6 +433,10 @@ void StarWalk<Isa>::find_longest() {
 
 // Returns the squared security radius within which all vertices are cut off by candidates only, after a search within
 // `square`.
+//
+// In a bent window lengths are those of G. Of |N|_G^2 floats lose at most 24 e max_stretch of it, less than 2^-12. As
+// |N| <= longest_inverse |N|_G and |n|_G <= |N|_G + q longest, h / |n|_G is at least distance (1 - 2^-13) - quantum
+// longest_inverse where select_slack() has distance * longest for its distance.
 template <class Isa>
 double StarWalk<Isa>::covered_by_search(double square) const {
     const double covered = is_bent_ ? std::sqrt(square) * (1 - 0x1p-12) - 2 * bent_.longest_inverse * quantum
