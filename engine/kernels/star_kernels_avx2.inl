@@ -216,10 +216,10 @@ struct Avx2 {
         return bits(near[0]) | bits(near[1]) << 4;
     }
 
-    VOTESS_AVX2 static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
+    VOTESS_AVX2 static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const WeightTilt& t,
                                           const WeightBend& bend, double length) {
         Long4 near[2];
-        near_bent_boxes(b, w, home, t, bend, length, near);
+        near_bent_boxes(b, w, t, bend, length, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
 

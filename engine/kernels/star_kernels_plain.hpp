@@ -85,7 +85,10 @@ VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
 constexpr double residual_slack = 4e-15;
 
 VOTESS_INLINE void absolute(const Double4& v, Double4& out) {
-    out = v < 0 ? -v : v;
+    Long4 bits;
+    std::memcpy(&bits, &v, sizeof bits);
+    bits &= std::numeric_limits<std::int64_t>::max();  // a comparison would take three instructions
+    std::memcpy(&out, &bits, sizeof out);
 }
 
 // Of `length` to the root of `square` in heavier_at_place().
@@ -213,74 +216,70 @@ VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, c
     }
 }
 
-// The test of near_bent() for vectors n from the seeds of the home to those of four boxes, between near and end. excess:
-// the largest difference d of their rho.
+// The test of near_bent() for seeds at places y whose lengths by A have squares of at least `squares`, and whose rho
+// are larger than the least of the home by at most `excess`.
 //
-// It takes n.A.n - 2 length |n|_A < d. As n.A.n is convex, it is at least 2 n.A.m - m.A.m for any m, which is least at a
-// corner. m is about where n.A.n is least.
-VOTESS_INLINE void within_bent(const Double4 (&near)[3], const Double4 (&end)[3], const Double4& excess,
-                               const WeightBend& bent, double length, Long4& out) {
+// A seed of the home lies within `radius`, so |n|_A is at least D = |y|_A - radius. From D^2 - 2 length D >= excess
+// follows that the plane is farther away.
+VOTESS_INLINE void within_bent(const Double4& squares, const Double4& excess, const WeightBend& bent, double length,
+                               Long4& out) {
     using Lanes = Double4;
-    constexpr double rounding = 1e-12;
-    Lanes m[3];
-    for (int k = 0; k < 3; ++k) m[k] = near[k] > 0 ? near[k] : end[k] < 0 ? end[k] : Lanes{};
-    for (int k = 0; k < 3; ++k) {
-        const int j = (k + 1) % 3, l = (k + 2) % 3;
-        Lanes at = (bent.bend[k][j] * m[j] + bent.bend[k][l] * m[l]) * (1 / (1 - bent.bend[k][k]));
-        at = at < near[k] ? near[k] : at;
-        m[k] = at > end[k] ? end[k] : at;
-    }
-    Lanes least{}, widest{}, long_m{};
-    for (int k = 0; k < 3; ++k) {
-        const Lanes am = m[k] - (bent.bend[k][0] * m[0] + bent.bend[k][1] * m[1] + bent.bend[k][2] * m[2]);
-        least += am * (2 * (am > 0 ? near[k] : end[k]) - m[k]);
-        Lanes a, c, d;
-        absolute(near[k], a);
-        absolute(end[k], c);
-        absolute(m[k], d);
-        widest += a > c ? a : c;
-        long_m += d;
-    }
-    least -= rounding * (1 + 3 * bent.largest) * long_m * widest;
+    Lanes root;
+    square_roots((excess > 0 ? excess : Lanes{}) + length * length, root);
+    const Lanes farthest = root + (length + bent.radius);
     // An excess that is NaN proves nothing.
-    const Lanes lighter = least - (excess <= 0 ? Lanes{} : excess);
-    out = ~(lighter > 0) | (lighter * lighter < 4 * length * length * least + smallest_fourth_power);
+    out = ~(squares > farthest * farthest * (1 + 1e-12)) | ~(excess == excess);
 }
 
 // Writes -1 for boxes that pass the test of near_bent(), 0 for others.
-VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
-                                   const WeightBend& bent, double length, Long4 (&out)[2]) {
+VOTESS_INLINE void near_bent_boxes(const BoxBlock& b, const WeightBlock& w, const WeightTilt& t, const WeightBend& bent,
+                                   double length, Long4 (&out)[2]) {
     using Lanes = Double4;
+    constexpr double rounding = 1e-12;
     for (int i = 0; i < box_fan; i += 4) {
-        Lanes y[3], half[3], near[3], end[3], across{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base,
-                                                        size;
+        Lanes y[3], half[3], near[3], end[3], m[3], across{}, along{},
+            excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size;
         absolute(excess, size);
         for (int k = 0; k < 3; ++k) {
             const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
                         upper = *reinterpret_cast<const Lanes*>(b.upper[k] + i);
+            near[k] = lower - t.origin[k];
+            end[k] = upper - t.origin[k];
             y[k] = 0.5 * (upper + lower) - t.origin[k];
             half[k] = 0.5 * (upper - lower);
-            near[k] = lower - home.upper[k];
-            end[k] = upper - home.lower[k];
+            m[k] = near[k] > 0 ? near[k] : end[k] < 0 ? end[k] : Lanes{};
             Lanes distance;
             absolute(y[k], distance);
-            across += distance;
+            across += distance + half[k];
         }
-        const Lanes bends = bent.largest * across;
         for (int k = 0; k < 3; ++k) {
             const Lanes slope = *reinterpret_cast<const Lanes*>(w.slope[k] + i);
             const Lanes by = bent.bend[k][0] * y[0] + bent.bend[k][1] * y[1] + bent.bend[k][2] * y[2];
-            Lanes apart, steep, distance;
+            Lanes apart, steep;
             absolute(slope - t.slope[k] - 2 * by, apart);
             absolute(slope, steep);
-            absolute(y[k], distance);
-            const double own = t.slope[k] < 0 ? -t.slope[k] : t.slope[k];
-            excess += apart * half[k] + bent.downward[k] * half[k] * half[k] - y[k] * (t.slope[k] + by);
-            size += (steep + own + 2 * bends + bent.downward[k] * half[k]) * half[k] + distance * (own + bends);
+            excess += (apart + bent.downward[k] * half[k]) * half[k] - y[k] * (t.slope[k] + by);
+            along += steep * half[k];
         }
-        within_bent(near, end, excess - t.least + residual_slack * size, bent, length, out[i / 4]);
+        size += along + across * (bent.steepest_slope + (3 * bent.largest) * across);
+        // As y.A.y is convex, it is at least 2 y.A.m - m.A.m for any m, which is least at a corner. m is about where
+        // y.A.y is least.
+        for (int k = 0; k < 3; ++k) {
+            const int j = (k + 1) % 3, l = (k + 2) % 3;
+            Lanes at = (bent.bend[k][j] * m[j] + bent.bend[k][l] * m[l]) * (1 / (1 - bent.bend[k][k]));
+            at = at < near[k] ? near[k] : at;
+            m[k] = at > end[k] ? end[k] : at;
+        }
+        Lanes least{};
+        for (int k = 0; k < 3; ++k) {
+            const Lanes am = m[k] - (bent.bend[k][0] * m[0] + bent.bend[k][1] * m[1] + bent.bend[k][2] * m[2]);
+            least += am * (2 * (am > 0 ? near[k] : end[k]) - m[k]);
+        }
+        least -= rounding * (1 + 3 * bent.largest) * across * across;
+        within_bent(least, excess - t.least + residual_slack * size, bent, length, out[i / 4]);
         // Missing boxes have no center.
-        out[i / 4] &= *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
+        out[i / 4] &=
+            *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
     }
 }
 
@@ -289,25 +288,20 @@ VOTESS_INLINE void near_bent_seeds(const Double4 (&x)[3], const Double4& weight,
     using Lanes = Double4;
     const WeightTilt& t = *frame.bent_tilt;
     const WeightBend& bent = *frame.bend;
-    Lanes y[3], near[3], end[3], across{}, excess = weight - t.base, size;
+    const Lanes y[3] = {x[0] - t.origin[0], x[1] - t.origin[1], x[2] - t.origin[2]};
+    Lanes across{}, square{}, bends{}, excess = weight - t.base, size;
     absolute(excess, size);
     for (int k = 0; k < 3; ++k) {
-        y[k] = x[k] - t.origin[k];
-        near[k] = x[k] - frame.home.upper[k];
-        end[k] = x[k] - frame.home.lower[k];
         Lanes distance;
         absolute(y[k], distance);
         across += distance;
+        square += y[k] * y[k];
+        bends += y[k] * (bent.bend[k][0] * y[0] + bent.bend[k][1] * y[1] + bent.bend[k][2] * y[2]);
+        excess -= y[k] * t.slope[k];
     }
-    for (int k = 0; k < 3; ++k) {
-        const Lanes by = bent.bend[k][0] * y[0] + bent.bend[k][1] * y[1] + bent.bend[k][2] * y[2];
-        const double own = t.slope[k] < 0 ? -t.slope[k] : t.slope[k];
-        Lanes distance;
-        absolute(y[k], distance);
-        excess -= y[k] * (t.slope[k] + by);
-        size += distance * (own + bent.largest * across);
-    }
-    within_bent(near, end, excess - t.least + residual_slack * size, bent, frame.length, out);
+    size += across * (bent.steepest_slope + (3 * bent.largest) * across);
+    within_bent(square - bends - 1e-12 * (1 + 3 * bent.largest) * square,
+                excess - bends - t.least + residual_slack * size, bent, frame.length, out);
     out &= x[0] < std::numeric_limits<double>::infinity();  // padding
 }
 
@@ -352,10 +346,10 @@ struct Baseline {
         return bits(near[0]) | bits(near[1]) << 4;
     }
 
-    static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
-                              const WeightBend& bend, double length) {
+    static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const WeightTilt& t, const WeightBend& bend,
+                              double length) {
         Long4 near[2];
-        near_bent_boxes(b, w, home, t, bend, length, near);
+        near_bent_boxes(b, w, t, bend, length, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
 
@@ -404,8 +398,8 @@ struct Baseline {
         return write_window<true>(from, frame, out, ids, residual);
     }
     template <bool Weighted, class Frame>
-    static int write_window(const GroupSource& from, const Frame& frame, std::int32_t* const* out,
-                            std::int32_t* ids, [[maybe_unused]] float* residual) {
+    static int write_window(const GroupSource& from, const Frame& frame, std::int32_t* const* out, std::int32_t* ids,
+                            [[maybe_unused]] float* residual) {
         constexpr double range = window_range;
         int count = 0;
         for (std::size_t g = 0; g < from.groups.size(); ++g) {

@@ -14,10 +14,12 @@ namespace votess::cpu {
 // So the plane of a seed n away is n.X = (n.A.n + rho_p - rho_q) / 2 with A = 1 - bend: where rho is small, the diagram
 // is a Voronoi diagram with the lengths of A, and cells are as long as those are short.
 struct WeightBend {
-    double bend[3][3];   // symmetric
-    double downward[3];  // -y.bend.y is at most the sum of downward y^2
-    double largest;      // of |bend|
-    double steepest;     // less than 1: n.bend.n is at most steepest n^2
+    double bend[3][3];      // symmetric
+    double downward[3];     // -y.bend.y is at most the sum of downward y^2
+    double largest;         // of |bend|
+    double steepest;        // less than 1: n.bend.n is at most steepest n^2
+    double steepest_slope;  // the largest of |slope|
+    double radius;          // y.A.y is at most its square for the seeds of the home
 };
 
 // For select(): a plane n.X = h counts as h / |n|_G away, with |n|_G^2 = n.G.n. In `metric` are the diagonal of G, and
@@ -33,10 +35,9 @@ struct BentFrame : WindowFrame {
 };
 
 struct BentKernels {
-    // Returns bit k if a seed in box k may have a plane with h < length |n|_A, for a seed of the box home that is moved
-    // by half of the slope at its place.
-    unsigned (*near_bent)(const BoxBlock&, const WeightBlock&, const Box& home, const WeightTilt&, const WeightBend&,
-                          double length);
+    // Returns bit k if a seed in box k may have a plane with h < length |n|_A, for a seed of the home that is moved by
+    // half of the slope at its place.
+    unsigned (*near_bent)(const BoxBlock&, const WeightBlock&, const WeightTilt&, const WeightBend&, double length);
     // The same as StarKernels::to_window(), with the test of near_bent().
     int (*to_bent_window)(const GroupSource&, const BentFrame&, std::int32_t* const* out, std::int32_t* ids,
                           float* residuals);

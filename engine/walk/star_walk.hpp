@@ -38,8 +38,9 @@ private:
     static constexpr double missed_share = 2.5;       // of the squared reach: a little beyond
     static constexpr double far_share = 16;           // of the squared reach: far beyond
     static constexpr double allowed_misses = 0.35;    // searches for a cell
-    // Shares of the reach, and of the bend of the weights. Less is not worth the tests.
-    static constexpr double min_turned = 0.15, min_steepest = 0.5;
+    // The share of the reach, the bend of the weights, and how much longer cells are. Less is not worth the tests.
+    static constexpr double min_turned = 0.15, min_steepest = 0.5, min_stretch = 1.6;
+    static constexpr double max_stretch = 128;
     static constexpr int max_candidates = 160;  // at first; leaves room for others
     static constexpr int enough_candidates = 80;
     static constexpr int crowded = 192;               // more candidates leave too little room for a search

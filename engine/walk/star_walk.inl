@@ -59,13 +59,15 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     if (weighted_) find_tilt(home, box);
     const WeightTilt* tilt = weighted_ ? &tilt_ : nullptr;
     const double radius = std::sqrt(reach2) * 1.02;
-    is_bent_ = is_bent_ && bent_.bend.steepest >= min_steepest && bent_.max_turned > min_turned * radius;
+    is_bent_ = is_bent_ && (bent_.stretch > min_stretch ||
+                            (bent_.bend.steepest >= min_steepest && bent_.max_turned > min_turned * radius));
     const Window::Bent* bent = is_bent_ ? &bent_ : nullptr;
     window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
     // A home may span far more than its surroundings, where the curve leaves a cluster.
     if (!window_open_) {
         box = {p_, p_};
-        window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
+        is_bent_ = false;
+        window_open_ = window_.open(home, box, radius, tilt, cells_, nullptr);
         window_home_ = ~std::size_t{0};
     }
     if (!window_open_) return;
@@ -214,7 +216,6 @@ bool StarWalk<Isa>::bound_bend() {
 // Returns false if it differs too much from lengths in space, for floats.
 template <class Isa>
 bool StarWalk<Isa>::find_metric() {
-    constexpr double max_stretch = 256;
     const WeightBend& bend = bent_.bend;
     double a[3][3], c[3][3];  // A, and its cofactors
     for (std::size_t i = 0; i < 3; ++i)
@@ -227,6 +228,7 @@ bool StarWalk<Isa>::find_metric() {
     const double determinant = a[0][0] * c[0][0] + a[0][1] * c[0][1] + a[0][2] * c[0][2];
     const double most = 1 + *std::max_element(bend.downward, bend.downward + 3), least = 1 - bend.steepest;
     if (!(most < max_stretch * least && determinant > 0)) return false;
+    bent_.stretch = most / least;
     bent_.gain = std::cbrt(determinant);
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
@@ -251,19 +253,25 @@ void StarWalk<Isa>::lay_bend(std::size_t home) {
             0.25 * (boxes.lower[k][i] + boxes.upper[k][i] + boxes.lower[k][i + 1] + boxes.upper[k][i + 1]);
     bent_.tilt.least = std::numeric_limits<double>::infinity();
     bent_.max_turned = 0;
+    WeightBend& bend = bent_.bend;
+    bend.steepest_slope = std::max({std::abs(tilt_.slope[0]), std::abs(tilt_.slope[1]), std::abs(tilt_.slope[2])});
+    double largest = 0;  // of y.A.y
     for (std::size_t s = begin; s < end; ++s) {
         const exact::Point x{seeds_.x[s], seeds_.y[s], seeds_.z[s]};
         const Four turn = turn_at(x);
-        double bends = 0, size = 0;
+        double bends = 0, size = 0, square = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double by = 0.5 * turn.x[k] * (x[k] - bent_.tilt.origin[k]);
+            const double y = x[k] - bent_.tilt.origin[k], by = 0.5 * turn.x[k] * y;
             bends += by;
             size += std::abs(by);
+            square += y * y;
         }
+        largest = std::max(largest, square - bends + 64 * unit * (square + size));
         const double rho = least_residual(bent_.tilt, seeds_.weights[s], x) - bends - 64 * unit * size;
         bent_.tilt.least = std::min(bent_.tilt.least, rho);
         bent_.max_turned = std::max(bent_.max_turned, 0.5 * std::sqrt(dot(wide(turn), wide(turn))) * (1 + 8 * unit));
     }
+    bend.radius = std::sqrt(largest) * (1 + 1e-12);
 }
 
 // Returns by how much the slope at a place differs from that of the tilt.
@@ -425,6 +433,10 @@ void StarWalk<Isa>::find_longest() {
 
 // Returns the squared security radius within which all vertices are cut off by candidates only, after a search within
 // `square`.
+//
+// In a bent window lengths are those of G. Of |N|_G^2 floats lose at most 24 e max_stretch of it, less than 2^-12. As
+// |N| <= longest_inverse |N|_G and |n|_G <= |N|_G + q longest, h / |n|_G is at least distance (1 - 2^-13) - quantum
+// longest_inverse where select_slack() has distance * longest for its distance.
 template <class Isa>
 double StarWalk<Isa>::covered_by_search(double square) const {
     const double covered = is_bent_ ? std::sqrt(square) * (1 - 0x1p-12) - 2 * bent_.longest_inverse * quantum

@@ -59,7 +59,7 @@ bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, cons
         const WeightBlock& weights = hierarchy_.weight_bounds(node.level, node.index);
         return bent == nullptr || node.level > max_bent_level
                    ? kernels_.near_heavier(boxes, weights, box, *tilt, {length, 0, 0})
-                   : bent_kernels_.near_bent(boxes, weights, box, bent->tilt, bent->bend,
+                   : bent_kernels_.near_bent(boxes, weights, bent->tilt, bent->bend,
                                              0.5 * radius / std::sqrt(bent->gain));
     });
 }
@@ -139,14 +139,14 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
                              seeds_.weights.data(),
                              {groups_.data(), group_count_},
                              kept};
-    WindowFrame frame{box,  radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_,
-                      tilt, 0.5 * radius};
+    WindowFrame frame{box,         radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_, tilt,
+                      0.5 * radius};
     if (bent == nullptr) {
         count_ = kernels_.to_window(source, frame, out, id_.data(), weight_.data());
     } else {
         frame.length /= std::sqrt(bent->gain);
-        count_ = bent_kernels_.to_bent_window(source, {frame, &bent->tilt, &bent->bend}, out, id_.data(),
-                                              weight_.data());
+        count_ =
+            bent_kernels_.to_bent_window(source, {frame, &bent->tilt, &bent->bend}, out, id_.data(), weight_.data());
     }
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     if (tilt == nullptr) return true;

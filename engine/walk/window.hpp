@@ -35,6 +35,7 @@ public:
         double gain = 1;
         double metric[3][3], inverse[3][3];
         double longest = 1, longest_inverse = 1;  // |n|_G of a vector of length 1, at most, and the same by the inverse
+        double stretch = 1;                       // bound on the ratio of squares of |n|_G of vectors of length 1
     };
 
     // Collects all seeds whose planes may come nearer to a seed in a box than about radius / 2, except those of groups

@@ -257,9 +257,9 @@ TEST_SUITE("stages") {
     }
 
     // Homes and boxes of seeds whose weights are a quadratic function and noise. The bounds of boxes know neither.
-    TEST_CASE("star kernels: near_bent keeps all seeds whose planes are near") {
+    TEST_CASE("star kernels: near_bent and to_bent_window keep all seeds whose planes are near") {
         Random random(21);
-        int kept = 0, dropped = 0;
+        int kept = 0, dropped = 0, kept_seeds = 0, dropped_seeds = 0;
         for (int round = 0; round < 4000; ++round) {
             // Eigenvalues up to `steepest`, on turned axes.
             WeightBend bent{};
@@ -312,10 +312,19 @@ TEST_SUITE("stages") {
                 const double rho = noise * random.uniform(-1, 1);
                 home_weights[s] = quadratic(home_seeds[s]) + rho;
                 tilt.least = std::min(tilt.least, rho - 1e-12);
+                double square = 0;
+                for (std::size_t k = 0; k < 3; ++k)
+                    for (std::size_t j = 0; j < 3; ++j)
+                        square += (home_seeds[s][k] - tilt.origin[k]) * (home_seeds[s][j] - tilt.origin[j]) *
+                                  ((k == j ? 1 : 0) - bent.bend[k][j]);
+                bent.radius = std::max(bent.radius, std::sqrt(square) * (1 + 1e-12));
             }
+            for (const double slope : tilt.slope) bent.steepest_slope = std::max(bent.steepest_slope, std::abs(slope));
             BoxBlock block;
             WeightBlock bounds;
             std::array<bool, box_fan> must{};
+            std::array<std::vector<double>, 4> all;  // coordinates and weights of the seeds of all boxes
+            std::vector<bool> must_seed;
             for (std::size_t i = 0; i < box_fan; ++i) {
                 std::array<Place, 4> seeds;
                 std::array<double, 4> weights{};
@@ -341,6 +350,9 @@ TEST_SUITE("stages") {
                     double rest = weights[s];
                     for (std::size_t k = 0; k < 3; ++k) rest -= bounds.slope[k][i] * (seeds[s][k] - center[k]);
                     bounds.top[i] = std::max(bounds.top[i], rest + 1e-12);
+                    for (std::size_t k = 0; k < 3; ++k) all[k].push_back(seeds[s][k]);
+                    all[3].push_back(weights[s]);
+                    must_seed.push_back(false);
                     for (std::size_t p = 0; p < home_seeds.size(); ++p) {
                         double square = 0, bends = 0, excess = weights[s] - home_weights[p];
                         for (std::size_t k = 0; k < 3; ++k) {
@@ -352,7 +364,8 @@ TEST_SUITE("stages") {
                                 bends += bent.bend[k][j] * n * (seeds[s][j] - home_seeds[p][j]);
                             }
                         }
-                        must[i] = must[i] || square - 2 * length * std::sqrt(square - bends) < excess - 1e-9;
+                        if (square - 2 * length * std::sqrt(square - bends) < excess - 1e-9)
+                            must[i] = must_seed.back() = true;
                     }
                 }
             }
@@ -363,16 +376,34 @@ TEST_SUITE("stages") {
                 bounds.top[missing] = -infinity;
             }
             test::for_each_set([&](const StarKernels& kernels) {
-                const unsigned near = bent_kernels(kernels.name).near_bent(block, bounds, home, tilt, bent, length);
+                const unsigned near = bent_kernels(kernels.name).near_bent(block, bounds, tilt, bent, length);
                 for (std::size_t i = 0; i < box_fan; ++i) {
                     if (must[i]) REQUIRE((near >> i & 1) == 1);
                     if (block.lower[0][i] == infinity) REQUIRE((near >> i & 1) == 0);
                     ((near >> i & 1) != 0 ? kept : dropped) += 1;
                 }
+                constexpr std::array<std::uint32_t, 4> groups{0, 1, 2, 3};
+                const GroupSource source{{all[0].data(), all[1].data(), all[2].data()}, all[3].data(), groups, 0};
+                const BentFrame frame{
+                    {home, 0, {tilt.origin[0], tilt.origin[1], tilt.origin[2]}, 1e4, &tilt, length}, &tilt, &bent};
+                std::array<std::array<std::int32_t, 64>, 4> out;
+                std::array<float, 64> residuals;
+                std::int32_t* const at[3] = {out[0].data(), out[1].data(), out[2].data()};
+                const auto& to_window = bent_kernels(kernels.name).to_bent_window;
+                const int count = to_window(source, frame, at, out[3].data(), residuals.data());
+                std::vector<bool> found(must_seed.size(), false);
+                for (int k = 0; k < count; ++k)
+                    found[static_cast<std::size_t>(out[3][static_cast<std::size_t>(k)])] = true;
+                for (std::size_t s = 0; s < found.size(); ++s) {
+                    if (must_seed[s]) REQUIRE(found[s]);
+                    (found[s] ? kept_seeds : dropped_seeds) += 1;
+                }
             });
         }
         CHECK(kept > 5000);
         CHECK(dropped > 5000);
+        CHECK(kept_seeds > 20000);
+        CHECK(dropped_seeds > 20000);
     }
 
     TEST_CASE("star kernels: to_window selects, rounds and clamps") {
