@@ -3,8 +3,9 @@
 #
 # Surprise: until VTK 9.6 the triangle (0, 1, 2) of vtkWedge faces outward, since 9.7 it faces inward. No file version changed
 #   and no reader converts. A wedge of volume 0.5 that VTK 9.6 wrote as .vtu, .vtk or .vtkhdf has -0.5 in 9.7, and conversely.
-#   Gmsh and meshio write the old order. PyVista's from_meshio writes the new one. Inside VTK 9.7, tetrahedra from
-#   vtkDataSetTriangleFilter have the old orientation: volume -0.5 for a wedge of 0.5. Quadratic wedges did not change.
+#   Gmsh and meshio write the old order, and VTK's own reader of OpenFOAM makes it, so prisms of any case have negative volumes.
+#   PyVista's from_meshio writes the new one. Inside VTK 9.7, tetrahedra from vtkDataSetTriangleFilter have the old orientation:
+#   volume -0.5 for a wedge of 0.5. Quadratic wedges did not change.
 # Versions: VTK 9.7.2 and 9.6.2, PyVista 0.49.1, Gmsh 4.15.2, meshio 5.3.5
 # Seen: 2026-11
 # Do: look at the sign of vtkCellSizeFilter, and permute the points of wedges by [0, 2, 1, 3, 5, 4] where it is negative.
@@ -20,6 +21,8 @@ old/bin/pip install --quiet vtk==9.6.2 numpy==2.4.6
 new/bin/pip install --quiet vtk==9.7.2 pyvista==0.49.1 gmsh==4.15.2 meshio==5.3.5 numpy==2.4.6
 
 cat >wedge.py <<'END'
+import os
+
 import vtk
 
 version = vtk.vtkVersion.GetVTKVersion()
@@ -64,14 +67,32 @@ def write(name, order):
     writer.SetInputData(grid)
     writer.Write()
     return grid
+
+
+def openfoam():  # a prism as a mesh of OpenFOAM, whose faces look outward, read by VTK
+    os.makedirs("case/constant/polyMesh", exist_ok=True)
+    patch = "sides { type patch; nFaces 5; startFace 0; }"
+    for name, kind, lines in (
+            ("points", "vectorField", ["(0 0 0)", "(1 0 0)", "(0 1 0)", "(0 0 1)", "(1 0 1)", "(0 1 1)"]),
+            ("faces", "faceList", ["3(0 2 1)", "3(3 4 5)", "4(0 1 4 3)", "4(1 2 5 4)", "4(2 0 3 5)"]),
+            ("owner", "labelList", ["0"] * 5), ("neighbour", "labelList", []), ("boundary", "polyBoundaryMesh", [patch])):
+        with open(f"case/constant/polyMesh/{name}", "w") as file:
+            file.write(f"FoamFile {{ version 2.0; format ascii; class {kind}; object {name}; }}\n{len(lines)}\n(\n" +
+                       "\n".join(lines) + "\n)\n")
+    open("case/case.foam", "w").close()
+    reader = vtk.vtkOpenFOAMReader()
+    reader.SetFileName("case/case.foam")
+    reader.Update()
+    return reader.GetOutput().GetBlock(0)
 END
 
 cat >old.py <<'END'
 import sys
 
-from wedge import outward, read, readers, version, volume, write
+from wedge import openfoam, outward, read, readers, version, volume, write
 
-changed = False
+changed = volume(openfoam()) != .5
+print(f"VTK {version} reads a prism of OpenFOAM: volume {volume(openfoam())}", "CHANGED" if changed else "")
 for end in readers:
     if "write" in sys.argv:
         grid = write(f"old.{end}", [0, 2, 1, 3, 5, 4])
@@ -95,7 +116,7 @@ import meshio
 import numpy as np
 import pyvista
 import vtk
-from wedge import outward, read, readers, version, volume, write
+from wedge import openfoam, outward, read, readers, version, volume, write
 
 print({name: of(name) for name in ("vtk", "pyvista", "gmsh", "meshio")})
 changed = False
@@ -112,6 +133,7 @@ def check(text, grid, right, faces):
 for end in readers:
     check(f"VTK {version} writes new.{end}", write(f"new.{end}", range(6)), .5, 5)
     check(f"VTK {version} reads old.{end}", read(f"old.{end}"), -.5, 0)
+check("a prism of OpenFOAM", openfoam(), -.5, 0)
 tetrahedra = vtk.vtkDataSetTriangleFilter()
 tetrahedra.SetInputData(read("new.vtu"))
 tetrahedra.Update()

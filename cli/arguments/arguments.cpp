@@ -227,7 +227,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
         throw bad_input(typed.has("--surface")
                             ? "there is no input: give a file of seeds as INPUT (- for stdin), --random N or --remesh N"
                             : "there is no input: give a file of points as INPUT (- for stdin) or --random N; "
-                              "clvotess --help lists all options");
+                              "clvotess --help-all lists all options");
     if (input && input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
     if (input) arguments.input = *input;
     if (random && (typed.has("--dataset") || typed.has("--frame") || typed.has("--frames")))

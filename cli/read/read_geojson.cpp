@@ -85,7 +85,8 @@ private:
         }
         if (places.size() > 1 && places.front() == places.back()) places.pop_back();
         if (places.size() < 3)
-            throw error(where + " has " + std::to_string(places.size()) + " places: give at least 3");
+            throw error(where + " has " + std::to_string(places.size()) + (places.size() == 1 ? " place" : " places") +
+                        ": give at least 3");
         long double area = 0;  // thin rings need the digits
         for (std::size_t i = 0; i < places.size(); ++i) {
             const auto &a = places[i], &b = places[(i + 1) % places.size()], &o = places[0];

@@ -150,8 +150,7 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     if (given.left_out != nullptr) *given.left_out = out.closed ? out.closed->left_out : 0;
     if (out.closed) {
         const auto& rows = *out.closed;
-        if (given.skip_open == 0)
-            refuse(rows.open_cells() + ": leave out such cells by mesh.skip_open");
+        if (given.skip_open == 0) refuse(rows.open_cells() + ": leave out such cells by mesh.skip_open");
         mesh.indptr = rows.indptr;
         mesh.indices = rows.indices;
         if (!mesh.shifts.empty()) mesh.shifts = rows.shifts;

@@ -298,7 +298,7 @@ class GeojsonFiles(ReaderTest):
                               (json.dumps({"type": "FeatureCollection", "features": [
                                   {"type": "Feature", "geometry": self.CITY}, {"type": "Feature", "geometry": {
                                       "type": "MultiPolygon", "coordinates": [self.CITY["coordinates"], [[[0, 0]]]]}}]}),
-                               "a.geojson: feature 1, polygon 1, ring 0 has 1 places"),
+                               "a.geojson: feature 1, polygon 1, ring 0 has 1 place: give"),
                               (json.dumps({"type": "GeometryCollection", "geometries": [self.CITY, {
                                   "type": "Polygon", "coordinates": [self.CITY["coordinates"][0], [[0, 0], ["x", 1]]]}]}),
                                'geometry 1, ring 1: place 1 is ["x", 1], not two numbers'),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from ._arguments import as_flag, shown
+from ._arguments import as_flag, counted, shown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -195,20 +195,22 @@ def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:
     return np.ascontiguousarray(array, dtype=np.int64)
 
 
-def _rings_of(geometry: Any) -> Iterator[Tuple[Any, bool]]:
-    """Returns the rings of the polygons in GeoJSON, and whether each is a hole."""
+def _rings_of(geometry: Any, place: str = "") -> Iterator[Tuple[Any, bool, str]]:
+    """Returns the rings of the polygons in GeoJSON, whether each is a hole, and its place, as "feature 2, ring 0"."""
     kind = geometry.get("type")
     if kind == "Feature":
         if geometry.get("geometry") is not None:
-            yield from _rings_of(geometry["geometry"])
+            yield from _rings_of(geometry["geometry"], place)
     elif kind in ("FeatureCollection", "GeometryCollection"):
-        for part in geometry["features" if kind == "FeatureCollection" else "geometries"]:
-            yield from _rings_of(part)
+        member, name = ("features", "feature") if kind == "FeatureCollection" else ("geometries", "geometry")
+        for k, part in enumerate(geometry[member]):
+            yield from _rings_of(part, f"{place}{name} {k}, ")
     elif kind in ("Polygon", "MultiPolygon"):
         polygons = geometry["coordinates"]
-        for polygon in [polygons] if kind == "Polygon" else polygons:
+        for number, polygon in enumerate([polygons] if kind == "Polygon" else polygons):
+            outer = place if kind == "Polygon" else f"{place}polygon {number}, "
             for k, ring in enumerate(polygon):
-                yield ring, k > 0
+                yield ring, k > 0, f"{outer}ring {k}"
     else:
         raise ValueError(f"mesh holds a geometry of the type {shown(kind)}: give polygons")
 
@@ -235,15 +237,15 @@ def _mesh_of_polygons(geometry: Any) -> Tuple[Float64Array, npt.NDArray[np.int32
         raise ValueError("mesh is not GeoJSON of polygons: give a geometry, a feature or a collection") from error
     except RecursionError:
         raise ValueError("mesh holds collections that lie in each other too deep") from None
-    for number, (ring, is_hole) in enumerate(rings):
-        places = as_float64_or_float32(ring, f"ring {number} of mesh").astype(np.float64)
+    for ring, is_hole, where in rings:
+        places = as_float64_or_float32(ring, f"{where} of mesh").astype(np.float64)
         if places.ndim != 2 or places.shape[1] not in (2, 3):
-            raise ValueError(f"ring {number} of mesh has shape {places.shape}: give (V, 2) places")
+            raise ValueError(f"{where} of mesh has shape {places.shape}: give (V, 2) places")
         places = places[:, :2]
         if len(places) > 1 and (places[0] == places[-1]).all():
             places = places[:-1]
         if len(places) < 3:
-            raise ValueError(f"ring {number} of mesh has {len(places)} places: give at least 3")
+            raise ValueError(f"{where} of mesh has {counted(len(places), 'place')}: give at least 3")
         if _turns_left(places) == is_hole:
             places = places[::-1]
         own = np.arange(len(places), dtype=np.int32)

@@ -98,7 +98,7 @@ class Images(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "reach infinity"):
             endless.image()
         self.assertEqual(endless.image(size=(80, 80), open="skip").left_out, endless.open_cells.sum())
-        with self.assertRaisesRegex(ValueError, r"leave them out by open='skip', or give a box"):
+        with self.assertRaisesRegex(ValueError, r"leave out such cells by open='skip', or give a box"):
             endless.image()
         for size, counts in ((3, (1, 3)), (2, (1, 2))):
             for count in counts:

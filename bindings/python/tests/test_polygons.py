@@ -265,6 +265,10 @@ class Polygons(unittest.TestCase):
             ({"type": "Point", "coordinates": (0, 0)}, "the type 'Point': give polygons"),
             ({"type": "Polygon"}, "not GeoJSON of polygons"),
             ({"type": "Polygon", "coordinates": [[(0, 0), (1, 1)]]}, "ring 0 of mesh has 2 places"),
+            ({"type": "FeatureCollection", "features": [
+                {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [square]}},
+                {"type": "Feature", "geometry": {"type": "MultiPolygon", "coordinates": [[square], [square, [(0, 0)]]]}}]},
+             "feature 1, polygon 1, ring 1 of mesh has 1 place: give"),
             ({"type": "FeatureCollection", "features": []}, "no polygon"),
             ((square, [(0, 1, 2)]), r"edges of mesh have shape \(1, 3\)"),
             ((square, [(0, 1), (1, 4), (4, 0)]), "edge 1 names vertex 4"),
