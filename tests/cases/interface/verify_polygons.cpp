@@ -384,7 +384,7 @@ TEST_SUITE("cases") {
             }
             add({0, 1, 2, 3, 4});
             add({9, 8, 7, 6, 5});
-            REQUIRE(polytope.close_polygons(offsets, vertices));
+            REQUIRE(polytope.close_polygons(offsets, vertices, {}));
             polytope.begin_corners();
             CHECK(corners.add(polytope, 0) == (step == 1));
         }
