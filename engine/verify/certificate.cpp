@@ -222,8 +222,7 @@ bool Certificate::has_right_side(Worker& w, std::size_t i) const {
     if (is_outside == (result_.status[i] == CellStatus::outside)) return true;
     w.fault.note(static_cast<std::int64_t>(i), [&] {
         return "seed " + std::to_string(i) +
-               (is_outside ? " lies outside and is not reported so"
-                           : " is reported to lie outside, where it does not");
+               (is_outside ? " lies outside and is not reported so" : " is reported to lie outside, where it does not");
     });
     return false;
 }
@@ -636,12 +635,11 @@ void Certificate::check_vertex(Worker& w, std::size_t i, int v, std::int32_t ver
     const RowPolytope::Corner& corner = w.polytope.corners()[static_cast<std::size_t>(v)];
     const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex)];
     const double square = dot(corner.at, corner.at), per_unit = 1 / w.polytope.unit();
-    const double length =
-        (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
+    const double length = (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
     for (std::size_t k = 0; k < 3; ++k) {
         const double x = place[k] + corner.at[k] * per_unit,
-                     allowed = 2 * corner.error * per_unit + run_.tolerance.cell * length +
-                               0x1p-48 * (std::abs(x) + length);
+                     allowed =
+                         2 * corner.error * per_unit + run_.tolerance.cell * length + 0x1p-48 * (std::abs(x) + length);
         if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
             return "vertex " + std::to_string(vertex) + " of cell " + std::to_string(i) + " has " + "xyz"[k] + " = " +

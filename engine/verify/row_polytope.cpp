@@ -183,7 +183,9 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
     std::uint64_t wrong = 0;
     for (std::size_t v = 0; v < count; ++v) {
         const auto after = [](std::uint64_t side) { return side >> 32; };
-        const auto differ = [](std::uint64_t before, std::uint64_t after) { return (before >> 16 ^ after >> 32) & 0xffff; };
+        const auto differ = [](std::uint64_t before, std::uint64_t after) {
+            return (before >> 16 ^ after >> 32) & 0xffff;
+        };
         auto& [a, second, third, unused] = fans[v].sides;
         // Which one is next is hard to foretell as well.
         const std::uint64_t swap = (second ^ third) & -std::uint64_t{differ(second, a) == 0 ? 1u : 0u};

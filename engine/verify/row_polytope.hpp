@@ -77,7 +77,8 @@ public:
     // The polygons around a corner, if they are closed: the one in plane(k), seen from outside, comes from the corner
     // after(k - 1), in the sense of (0, 1, 2), and goes to after(k).
     struct Fan {
-        std::array<std::uint64_t, 4> sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
+        std::array<std::uint64_t, 4>
+            sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
         [[nodiscard]] int plane(std::size_t k) const { return static_cast<int>(sides[k] & 0xffff); }
         [[nodiscard]] int after(std::size_t k) const { return static_cast<int>(sides[k] >> 32); }
     };
@@ -99,7 +100,8 @@ public:
     [[nodiscard]] bool is_inside(int corner, int plane) {
         const Corner& place = corners_[at(corner)];
         const double slack = p_.d[at(plane)] - dot(normal(plane), place.at),
-                     bound = place.slope * p_.length[at(plane)] + place.constant * p_.size[at(plane)] + filter_underflow;
+                     bound =
+                         place.slope * p_.length[at(plane)] + place.constant * p_.size[at(plane)] + filter_underflow;
         return slack > bound || (!(slack < -bound) && is_exactly_inside(corner, plane));
     }
     [[nodiscard]] bool is_surely_inside(int corner, const RoundedPlane& plane) const;
@@ -205,11 +207,9 @@ private:
     static std::size_t place_of(std::uint32_t id) { return id * 0x9e3779b1u >> (32 - table_bits); }
     static std::size_t place_after(std::size_t h) { return (h + 1) & ((1 << table_bits) - 1); }
     // Whether an entry is that of another vertex. off: of the entry from the wanted vertex and turn.
-    static bool is_other(std::uint64_t off) {
-        return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit;
-    }
-    std::vector<std::uint16_t> slots_;  // corners by place in the polygons
-    std::vector<std::uint16_t> used_;   // sides of each corner
+    static bool is_other(std::uint64_t off) { return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit; }
+    std::vector<std::uint16_t> slots_;     // corners by place in the polygons
+    std::vector<std::uint16_t> used_;      // sides of each corner
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
     std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly
     std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes
