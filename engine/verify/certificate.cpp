@@ -222,8 +222,7 @@ bool Certificate::has_right_side(Worker& w, std::size_t i) const {
     if (is_outside == (result_.status[i] == CellStatus::outside)) return true;
     w.fault.note(static_cast<std::int64_t>(i), [&] {
         return "seed " + std::to_string(i) +
-               (is_outside ? " lies outside and is not reported so"
-                           : " is reported to lie outside, where it does not");
+               (is_outside ? " lies outside and is not reported so" : " is reported to lie outside, where it does not");
     });
     return false;
 }
@@ -246,13 +245,14 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
             return false;
     if (!add_row(w, i)) return false;
     const std::span<const std::int64_t> offsets(result_.face_offsets.data() + begin, end - begin + 1);
-    const std::span<const std::int32_t> all = result_.face_vertices;
-    if (!polytope.close_polygons(offsets, all.subspan(static_cast<std::size_t>(offsets.front()),
-                                                      static_cast<std::size_t>(offsets.back() - offsets.front()))))
-        return false;
+    const auto first = static_cast<std::size_t>(offsets.front()), last = static_cast<std::size_t>(offsets.back());
+    const auto vertices = std::span<const std::int32_t>(result_.face_vertices).subspan(first, last - first);
+    std::span<const std::int32_t> listed;
+    if (!result_.cell_vertex_indptr.empty()) listed = vertices_of(i);
+    if (!result_.cell_vertex_indptr.empty() && listed.empty()) return false;
+    if (!polytope.close_polygons(offsets, vertices, listed)) return false;
     polytope.begin_corners();
     if ((!rows_.shifts.empty() && polytope.unit() != 1) || !w.shared.add(polytope, i)) return false;
-    if (!result_.cell_vertex_indptr.empty() && !polytope.has_vertices(vertices_of(i))) return false;
     if (!result_.vertices.empty()) {
         const Vector3 place = planes_.place(i);
         for (const int v : w.shared.to_compare()) {
@@ -635,12 +635,11 @@ void Certificate::check_vertex(Worker& w, std::size_t i, int v, std::int32_t ver
     const RowPolytope::Corner& corner = w.polytope.corners()[static_cast<std::size_t>(v)];
     const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex)];
     const double square = dot(corner.at, corner.at), per_unit = 1 / w.polytope.unit();
-    const double length =
-        (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
+    const double length = (square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : length3(corner.at)) * per_unit;
     for (std::size_t k = 0; k < 3; ++k) {
         const double x = place[k] + corner.at[k] * per_unit,
-                     allowed = 2 * corner.error * per_unit + run_.tolerance.cell * length +
-                               0x1p-48 * (std::abs(x) + length);
+                     allowed =
+                         2 * corner.error * per_unit + run_.tolerance.cell * length + 0x1p-48 * (std::abs(x) + length);
         if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
             return "vertex " + std::to_string(vertex) + " of cell " + std::to_string(i) + " has " + "xyz"[k] + " = " +
@@ -685,19 +684,19 @@ void Certificate::add_names(Worker& w, std::size_t i) {
 // random numbers r of seeds and s of shifts, linear in these, from the sums of r, of (r - r')(s - s') and of
 // (s - s')^2 over all pairs.
 std::uint64_t Certificate::name_of(const Worker& w, int corner, std::uint64_t& factor) const {
-    Worker::PlaneName all = w.names.back();
-    for (const int f : w.polytope.corners()[static_cast<std::size_t>(corner)].planes) {
-        const Worker::PlaneName& other = w.names[static_cast<std::size_t>(f)];
-        all.sum += other.sum, all.seeds += other.seeds, all.before += other.before;
-        if (rows_.shifts.empty()) continue;
-        all.random += other.random, all.shift += other.shift;
-        all.products += other.products, all.squares += other.squares;
+    const Worker::PlaneName& own = w.names.back();
+    const auto& [a, b, c] = w.polytope.corners()[static_cast<std::size_t>(corner)].planes;
+    const Worker::PlaneName *const names = w.names.data(), &x = names[a], &y = names[b], &z = names[c];
+    std::uint64_t sum = own.sum + x.sum + y.sum + z.sum;
+    const std::uint64_t seeds = 1 + x.seeds + y.seeds + z.seeds, before = x.before + y.before + z.before;
+    factor = before + 1 == seeds ? 1 - seeds : 1;
+    if (!rows_.shifts.empty()) {
+        const std::uint64_t random = own.random + x.random + y.random + z.random, shift = x.shift + y.shift + z.shift,
+                            products = x.products + y.products + z.products,
+                            squares = x.squares + y.squares + z.squares;
+        sum += (seeds * products - random * shift) * factor_b + (seeds * squares - shift * shift) * factor_c;
     }
-    factor = all.before + 1 == all.seeds ? 1 - std::uint64_t{all.seeds} : 1;
-    if (!rows_.shifts.empty())
-        all.sum += (all.seeds * all.products - all.random * all.shift) * factor_b +
-                   (all.seeds * all.squares - all.shift * all.shift) * factor_c;
-    return scrambled(all.sum);
+    return scrambled(sum);
 }
 
 void Certificate::check_names(Worker& w, std::size_t i) {

@@ -26,8 +26,10 @@
 // asked in exact signs: does a plane of row j cut the corner off (check_corner())? If none does, P_j has it. A wrong
 // diagram passes with a probability of 2^-64 or less for each sum.
 //
-// Polygons of a result name the corners of its cells, which saves the search for them: RowPolytope::wrap_polygons()
-// proves each corner by the same signs. Cells with more than three planes at a corner are found from the planes alone.
+// Polygons of a result name the corners of its cells, which saves the search for them. prove_shared() then proves each
+// corner and edge in one of its cells, see shared_corners.hpp, but only where all cells have three planes at each
+// corner. Otherwise RowPolytope::wrap_polygons() proves each corner by the signs above, and cells with more than three
+// planes at a corner are found from the planes alone.
 //
 // Signs come from a filter, then from exact/. Nothing here knows how the engine found a cell.
 #pragma once

@@ -151,21 +151,59 @@ bool RowPolytope::guess_from(int a, std::array<int, 3>& start) {
 // Each corner has a polygon in each of its three planes a, b, c. In turn, the corner after it in one is that before it
 // in the next: both polygons have this edge, in opposite directions. So each edge of a corner has its second end among
 // the corners, and a polygon follows the edges of its face. It meets no corner twice, if a, b, c differ.
-bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
+bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices,
+                                 std::span<const std::int32_t> listed) {
     const auto n = names_.size();
     const std::size_t count = vertices.size() / 3;
     seems_open_ = false;
     // In a polytope with three faces at each corner, by Euler's formula
     if (n < 4 || n > max_sure_planes || vertices.size() != 3 * count || count != 2 * n - 4) return false;
+    if (!listed.empty() && listed.size() != count) return false;
     vertices_.resize(vertices.size());
     fans_.resize(count);
     slots_.resize(vertices.size());
+    if (!(listed.empty() ? number_vertices(vertices, count) : find_vertices(vertices, listed))) return false;
+    std::uint16_t* const slots = slots_.data();
+    Fan* const fans = fans_.data();
+    used_.assign(count, 0);
+    std::uint16_t* const used = used_.data();
+    std::size_t begin = 0;
+    for (std::size_t f = 0; f < n; ++f) {
+        const auto end = static_cast<std::size_t>(offsets[f + 1] - offsets[0]);
+        if (begin == end) return false;
+        std::uint64_t before = slots[end - 1], corner = slots[begin];
+        const auto add = [&](std::uint64_t after) {
+            fans[corner].sides[used[corner]++ & 3] = f | before << 16 | after << 32;
+            before = corner, corner = after;
+        };
+        for (std::size_t k = begin + 1; k < end; ++k) add(slots[k]);
+        add(slots[begin]);
+        begin = end;
+    }
+    std::uint64_t wrong = 0;
+    for (std::size_t v = 0; v < count; ++v) {
+        const auto after = [](std::uint64_t side) { return side >> 32; };
+        const auto differ = [](std::uint64_t before, std::uint64_t after) {
+            return (before >> 16 ^ after >> 32) & 0xffff;
+        };
+        auto& [a, second, third, unused] = fans[v].sides;
+        // Which one is next is hard to foretell as well.
+        const std::uint64_t swap = (second ^ third) & -std::uint64_t{differ(second, a) == 0 ? 1u : 0u};
+        const std::uint64_t b = second ^ swap, c = third ^ swap;
+        wrong |= (used[v] ^ 3u) | differ(c, a) | differ(b, c) | differ(a, b);
+        wrong |= (after(a) == after(b)) | (after(b) == after(c)) | (after(c) == after(a)) ? 1 : 0;
+        second = b, third = c;
+    }
+    return wrong == 0;
+}
+
+// Numbers the vertices of polygons as they come. Returns false unless there are that many.
+bool RowPolytope::number_vertices(std::span<const std::int32_t> vertices, std::size_t count) {
     begin_table();
     // Pointers and numbers that no store may change.
     std::uint64_t* const table = table_.data();
     std::uint16_t* const slots = slots_.data();
     std::int32_t* const known = vertices_.data();
-    Fan* const fans = fans_.data();
     const std::uint64_t turn = table_turn_;
     std::uint64_t found = 0;
     std::int32_t any = 0;
@@ -184,36 +222,39 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
         known[corner] = vertex;
         found += is_new;
     }
-    if (found != count || any < 0) return false;
-    used_.assign(count, 0);
-    std::uint16_t* const used = used_.data();
     vertices_.resize(count);
-    std::size_t begin = 0;
-    for (std::size_t f = 0; f < n; ++f) {
-        const auto end = static_cast<std::size_t>(offsets[f + 1] - offsets[0]);
-        if (begin == end) return false;
-        std::uint64_t before = slots[end - 1], corner = slots[begin];
-        const auto add = [&](std::uint64_t after) {
-            fans[corner].sides[used[corner]++ & 3] = f | before << 16 | after << 32;
-            before = corner, corner = after;
-        };
-        for (std::size_t k = begin + 1; k < end; ++k) add(slots[k]);
-        add(slots[begin]);
-        begin = end;
+    return found == count && any >= 0;
+}
+
+// Numbers the vertices of polygons by their list. Returns false unless it ascends and has all of them.
+bool RowPolytope::find_vertices(std::span<const std::int32_t> vertices, std::span<const std::int32_t> listed) {
+    begin_table();
+    std::uint64_t* const table = table_.data();
+    std::uint16_t* const slots = slots_.data();
+    const std::uint64_t turn = table_turn_;
+    std::int32_t before = -1;
+    bool ascends = true;
+    for (std::size_t v = 0; v < listed.size(); ++v) {
+        ascends = ascends && before < listed[v];
+        before = listed[v];
+        const auto id = static_cast<std::uint32_t>(before);
+        std::size_t h = place_of(id);
+        while (static_cast<std::uint32_t>(table[h] ^ turn) < turn_unit) h = place_after(h);
+        table[h] = std::uint64_t{id} << 32 | turn | v;
     }
-    std::uint64_t wrong = 0;
-    for (std::size_t v = 0; v < count; ++v) {
-        const auto after = [](std::uint64_t side) { return side >> 32; };
-        const auto differ = [](std::uint64_t before, std::uint64_t after) { return (before >> 16 ^ after >> 32) & 0xffff; };
-        auto& [a, second, third, unused] = fans[v].sides;
-        // Which one is next is hard to foretell as well.
-        const std::uint64_t swap = (second ^ third) & -std::uint64_t{differ(second, a) == 0 ? 1u : 0u};
-        const std::uint64_t b = second ^ swap, c = third ^ swap;
-        wrong |= (used[v] ^ 3u) | differ(c, a) | differ(b, c) | differ(a, b);
-        wrong |= (after(a) == after(b)) | (after(b) == after(c)) | (after(c) == after(a)) ? 1 : 0;
-        second = b, third = c;
+    if (!ascends) return false;
+    std::uint64_t all = 0;
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const auto id = static_cast<std::uint32_t>(vertices[k]);
+        const std::uint64_t wanted = std::uint64_t{id} << 32 | turn;
+        std::size_t h = place_of(id);
+        std::uint64_t off = table[h] ^ wanted;
+        while (is_other(off)) h = place_after(h), off = table[h] ^ wanted;
+        all |= off;
+        slots[k] = static_cast<std::uint16_t>(off);
     }
-    return wrong == 0;
+    vertices_.assign(listed.begin(), listed.end());
+    return all < turn_unit;
 }
 
 // Clears the table by a new turn.
@@ -225,32 +266,8 @@ void RowPolytope::begin_table() {
     table_turn_ = turn_unit;
 }
 
-bool RowPolytope::has_vertices(std::span<const std::int32_t> ids) const {
-    std::int32_t before = -1;
-    bool good = ids.size() == vertices_.size();
-    for (const std::int32_t v : ids) {
-        const auto id = static_cast<std::uint32_t>(v);
-        const std::uint64_t wanted = std::uint64_t{id} << 32 | table_turn_;
-        std::size_t h = place_of(id);
-        while (is_other(table_[h] ^ wanted)) h = place_after(h);
-        good &= (before < v) & ((table_[h] ^ wanted) < turn_unit);
-        before = v;
-    }
-    return good;
-}
-
-bool RowPolytope::place_corner(int v) {
-    const Fan& fan = fans_[at(v)];
-    return meet(p_, fan.plane(0), fan.plane(1), fan.plane(2), corners_[at(v)]);
-}
-
-bool RowPolytope::is_inside(int v, int plane) {
-    const Corner& corner = corners_[at(v)];
-    const double slack = p_.d[at(plane)] - dot(normal(plane), corner.at),
-                 bound = corner.slope * p_.length[at(plane)] + corner.constant * p_.size[at(plane)] + filter_underflow;
-    if (slack > bound) return true;
-    if (slack < -bound) return false;
-    const auto& [a, b, c] = corner.planes;
+bool RowPolytope::is_exactly_inside(int v, int plane) {
+    const auto& [a, b, c] = corners_[at(v)].planes;
     (void)source(a);
     return exact::side_of_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)],
                                  sources_[at(plane)]) < 0;
@@ -279,7 +296,7 @@ void RowPolytope::take_fans() {
 }
 
 bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
-    if (!close_polygons(offsets, vertices)) return false;
+    if (!close_polygons(offsets, vertices, {})) return false;
     begin_corners();
     for (std::size_t v = 0; v < fans_.size(); ++v) {
         const Fan& fan = fans_[v];

@@ -77,24 +77,33 @@ public:
     // The polygons around a corner, if they are closed: the one in plane(k), seen from outside, comes from the corner
     // after(k - 1), in the sense of (0, 1, 2), and goes to after(k).
     struct Fan {
-        std::array<std::uint64_t, 4> sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
+        std::array<std::uint64_t, 4>
+            sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
         [[nodiscard]] int plane(std::size_t k) const { return static_cast<int>(sides[k] & 0xffff); }
         [[nodiscard]] int after(std::size_t k) const { return static_cast<int>(sides[k] >> 32); }
     };
     // Names the corners of polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1], from
-    // vertices[0] on. Returns false unless there are three polygons around each corner, and each edge belongs to two, in
-    // opposite directions.
-    [[nodiscard]] bool close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
+    // vertices[0] on. listed: all vertices, ascending; empty if there is no such list. Returns false unless there are
+    // three polygons around each corner, and each edge belongs to two, in opposite directions.
+    [[nodiscard]] bool close_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices,
+                                      std::span<const std::int32_t> listed);
     // Returns the fans of the last close_polygons() that returned true, by corner.
     [[nodiscard]] std::span<const Fan> fans() const { return fans_; }
-    // Whether these are all vertices of the polygons, ascending.
-    [[nodiscard]] bool has_vertices(std::span<const std::int32_t> ids) const;
     // Makes room for the corners of fans, without places.
     void begin_corners();
     // Finds the place of a corner. Returns false unless its normals certainly turn as its fan does.
-    [[nodiscard]] bool place_corner(int corner);
+    [[nodiscard]] bool place_corner(int corner) {
+        const Fan& fan = fans_[at(corner)];
+        return meet(p_, fan.plane(0), fan.plane(1), fan.plane(2), corners_[at(corner)]);
+    }
     // Whether such a corner lies strictly inside of a plane, by exact signs.
-    [[nodiscard]] bool is_inside(int corner, int plane);
+    [[nodiscard]] bool is_inside(int corner, int plane) {
+        const Corner& place = corners_[at(corner)];
+        const double slack = p_.d[at(plane)] - dot(normal(plane), place.at),
+                     bound =
+                         place.slope * p_.length[at(plane)] + place.constant * p_.size[at(plane)] + filter_underflow;
+        return slack > bound || (!(slack < -bound) && is_exactly_inside(corner, plane));
+    }
     [[nodiscard]] bool is_surely_inside(int corner, const RoundedPlane& plane) const;
     // Makes edges and faces of fans, whose corners have places.
     void take_fans();
@@ -151,6 +160,7 @@ private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
     [[nodiscard]] Vector3 normal(int f) const { return {p_.nx[at(f)], p_.ny[at(f)], p_.nz[at(f)]}; }
     [[nodiscard]] const exact::Plane& source(int f);
+    [[nodiscard]] bool is_exactly_inside(int corner, int plane);
     [[nodiscard]] Hit first_hit(const Vector3& from, const Vector3& along, int a, int b);
     void make_blocks();
     template <class Visit>
@@ -190,16 +200,16 @@ private:
     static constexpr unsigned table_bits = 11;
     std::vector<std::uint64_t> table_;
     std::uint64_t table_turn_ = 0;
+    [[nodiscard]] bool number_vertices(std::span<const std::int32_t> vertices, std::size_t count);
+    [[nodiscard]] bool find_vertices(std::span<const std::int32_t> vertices, std::span<const std::int32_t> listed);
     void begin_table();
     // Returns the first place to look for a vertex, and the one after a place.
     static std::size_t place_of(std::uint32_t id) { return id * 0x9e3779b1u >> (32 - table_bits); }
     static std::size_t place_after(std::size_t h) { return (h + 1) & ((1 << table_bits) - 1); }
     // Whether an entry is that of another vertex. off: of the entry from the wanted vertex and turn.
-    static bool is_other(std::uint64_t off) {
-        return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit;
-    }
-    std::vector<std::uint16_t> slots_;  // corners by place in the polygons
-    std::vector<std::uint16_t> used_;   // sides of each corner
+    static bool is_other(std::uint64_t off) { return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit; }
+    std::vector<std::uint16_t> slots_;     // corners by place in the polygons
+    std::vector<std::uint16_t> used_;      // sides of each corner
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
     std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly
     std::map<std::vector<int>, int> corner_through_;  // the corner, by these planes

@@ -11,19 +11,29 @@ namespace {
 
 constexpr std::uint32_t seed_code = 4, four_seeds = 3 * seed_code;
 // The factor of the j-th of k seeds is number 4 (k - 1) + j. Those of k seeds sum to 0.
-constexpr std::array<std::uint64_t, 16> shares{
-    0,        0,        0,                      0,  //
-    factor_a, -factor_a, 0,                     0,  //
-    factor_b, factor_c, -(factor_b + factor_c), 0,  //
-    factor_d, factor_e, factor_f,               -(factor_d + factor_e + factor_f)};
+constexpr std::array<std::uint64_t, 16> shares{0,
+                                               0,
+                                               0,
+                                               0,  //
+                                               factor_a,
+                                               -factor_a,
+                                               0,
+                                               0,  //
+                                               factor_b,
+                                               factor_c,
+                                               -(factor_b + factor_c),
+                                               0,  //
+                                               factor_d,
+                                               factor_e,
+                                               factor_f,
+                                               -(factor_d + factor_e + factor_f)};
 
 // Two directions, at right angles to which is e. Nothing lies along them in a common lattice.
 using Frame = std::array<Vector3, 2>;
-constexpr std::array<Frame, 2> frames{
-    Frame{Vector3{0.3651483716701107, -0.8164965809277260, 0.4472135954999579},
-          Vector3{0.8428282480371107, 0.4985132179123381, 0.2030197431285120}},
-    Frame{Vector3{-0.7129384012837465, 0.2918374650192837, 0.6374829103847561},
-          Vector3{0.2219384756102938, 0.9411029384756102, -0.2549182736450192}}};
+constexpr std::array<Frame, 2> frames{Frame{Vector3{0.3651483716701107, -0.8164965809277260, 0.4472135954999579},
+                                            Vector3{0.8428282480371107, 0.4985132179123381, 0.2030197431285120}},
+                                      Frame{Vector3{-0.7129384012837465, 0.2918374650192837, 0.6374829103847561},
+                                            Vector3{0.2219384756102938, 0.9411029384756102, -0.2549182736450192}}};
 
 }  // namespace
 
@@ -80,7 +90,7 @@ bool SharedCorners::is_within_walls(const RowPolytope& polytope, std::size_t see
     if (walls_of_ != seed) {
         walls_.clear();
         walls_of_ = seed;
-        for (std::int32_t id = -1; -id <= planes_.walls(); --id)
+        for (std::int32_t id = -1; - id <= planes_.walls(); --id)
             if (planes_.has_wall(id)) walls_.push_back({id, polytope.seen({id, {}})});
     }
     const RowPolytope::Corner& at = polytope.corners()[static_cast<std::size_t>(corner)];

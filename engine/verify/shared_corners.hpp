@@ -13,16 +13,17 @@
 //      inside of the third plane of the other;
 //   E. a corner on a wall lies inside of all other walls, not on them.
 // Then each cell is the polytope of its planes and of all walls, with these corners. Proof. The determinant of C has
-// the same sign in all cells of a corner, by its turn. Consider the normals of a cell as points of a sphere. The corners
-// are triangles there, which turn the right way and meet along their sides, as polygons close. So they cover each
-// place the same number of times, which is 1 by A, and no polygon winds twice: the triangles triangulate the sphere.
-// So two faces meet in at most one edge, and two corners at most have a pair of planes in common. By B the lowest of
-// the three cells around an edge joins the same two corners, and D holds in all of them: edges have positive lengths.
-// Follow edges from a corner while n of some face rises. This ends where no edge rises, where n lies in the closed cone
-// of the normals: in that face. So all corners lie inside of the plane, and those of other faces strictly. A corner
-// where three planes meet inside of all others is one of the polytope. The edges join them, which leaves no other.
-// The cells around a corner without walls fill its surroundings. So the farthest place in the direction of a wall that
-// any cell reaches is a corner on a wall, and by E cells do not leave the domain. -- B is condition 2 of certificate.hpp.
+// the same sign in all cells of a corner, by its turn. Consider the normals of a cell as points of a sphere. The
+// corners are triangles there, which turn the right way and meet along their sides, as polygons close. So they cover
+// each place the same number of times, which is 1 by A, and no polygon winds twice: the triangles triangulate the
+// sphere. So two faces meet in at most one edge, and two corners at most have a pair of planes in common. By B the
+// lowest of the three cells around an edge joins the same two corners, and D holds in all of them: edges have positive
+// lengths. Follow edges from a corner while n of some face rises. This ends where no edge rises, where n lies in the
+// closed cone of the normals: in that face. So all corners lie inside of the plane, and those of other faces strictly.
+// A corner where three planes meet inside of all others is one of the polytope. The edges join them, which leaves no
+// other. The cells around a corner without walls fill its surroundings. So the farthest place in the direction of a
+// wall that any cell reaches is a corner on a wall, and by E cells do not leave the domain. B is condition 2 of
+// certificate.hpp.
 //
 // In a domain that is periodic along all axes, condition 3 there is that volume() is that of the domain. The cells
 // cover each place of it c times. Moved along straight lines, this covering becomes that by the tetrahedra of the seeds
@@ -69,7 +70,8 @@ private:
         double across = 0, along = 0;  // of its normal of length 1, both at right angles to e
         std::uint64_t random = 0;
         std::uint32_t code = 0;  // 4 for a seed, and 1 for one before that of the cell
-        // Of two planes, each edge is taken where that on its left is lower. None is less with a seed before the cell's.
+        // Of two planes, each edge is taken where that on its left is lower. None is less with a seed before the
+        // cell's.
         std::int32_t as_left = 0, as_right = 0;
         std::uint64_t shift = 0, products = 0, squares = 0;
     };

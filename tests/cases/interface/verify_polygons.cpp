@@ -113,14 +113,25 @@ bool is_proven_once(const std::shared_ptr<Result>& result, const ProofCase& c) {
     return votess::Certificate(run, job, *result, {}).prove_shared().has_value();
 }
 
-constexpr std::array names_of_damage{
-    "vertex of a polygon",       "two vertices of two polygons", "a cell turned inside out",
-    "vertices of some cells",    "vertices of one cell swapped", "place of a vertex",
-    "seed moved",                "all seeds moved",              "weight changed",
-    "hidden seed",               "shift of a face",              "neighbor of a face",
-    "two vertices made one",     "list of vertices",             "image of a vertex",
-    "wall forgotten",            "a polygon shortened",          "two neighbors swapped around a corner",
-    "all cells turned inside out"};
+constexpr std::array names_of_damage{"vertex of a polygon",
+                                     "two vertices of two polygons",
+                                     "a cell turned inside out",
+                                     "vertices of some cells",
+                                     "vertices of one cell swapped",
+                                     "place of a vertex",
+                                     "seed moved",
+                                     "all seeds moved",
+                                     "weight changed",
+                                     "hidden seed",
+                                     "shift of a face",
+                                     "neighbor of a face",
+                                     "two vertices made one",
+                                     "list of vertices",
+                                     "image of a vertex",
+                                     "wall forgotten",
+                                     "a polygon shortened",
+                                     "two neighbors swapped around a corner",
+                                     "all cells turned inside out"};
 
 constexpr std::size_t image_kind = 14;
 
@@ -180,7 +191,8 @@ bool damage(std::size_t kind, std::shared_ptr<Result>& r, ProofCase& c, test::Ra
                     for (const std::int32_t v : polygon(*r, f)) any |= v == a || v == b;
                 if (any) cells.push_back(s);
             }
-            if (random.chance(0.7)) cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(random.below(cells.size())));
+            if (random.chance(0.7))
+                cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(random.below(cells.size())));
             if (random.chance(0.5)) strip_places();
             for (const std::size_t s : cells) exchange(s, a, b);
             return true;
@@ -240,16 +252,16 @@ bool damage(std::size_t kind, std::shared_ptr<Result>& r, ProofCase& c, test::Ra
             return true;
         case 15: {
             if (c.options.cell || c.options.periodic != std::array<bool, 3>{}) return false;
-            c.options.walls.push_back({{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)},
-                                       random.uniform(0.2, 1)});
+            c.options.walls.push_back(
+                {{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, random.uniform(0.2, 1)});
             if (c.options.outside == votess::Outside::error) c.options.outside = votess::Outside::keep;
             strip_places();
             return true;
         }
         case 16: {  // a corner less in two polygons
             const std::int64_t last = r->face_offsets[e + 1] - 1;
-            std::rotate(faces.begin() + static_cast<std::ptrdiff_t>(k), faces.begin() + static_cast<std::ptrdiff_t>(k) + 1,
-                        faces.end());
+            std::rotate(faces.begin() + static_cast<std::ptrdiff_t>(k),
+                        faces.begin() + static_cast<std::ptrdiff_t>(k) + 1, faces.end());
             r->face_vertices[at(last)] = faces[0];
             return true;
         }
@@ -305,7 +317,7 @@ TEST_SUITE("cases") {
                     const auto is_outside = [](votess::CellStatus s) { return s == votess::CellStatus::outside; };
                     if (c.options.outside != votess::Outside::error)  // as verify() sees it
                         c.options.outside = std::ranges::any_of(result->status, is_outside) ? votess::Outside::drop
-                                                                                             : votess::Outside::keep;
+                                                                                            : votess::Outside::keep;
                     votess::Tessellation truth;
                     try {
                         truth = c.run();
@@ -323,8 +335,8 @@ TEST_SUITE("cases") {
                                 array.of(*result).resize_uninitialized(0);
                         });
                     const Result& right = votess::detail::result_of(truth);
-                    bool is_right = std::ranges::equal(right.status, result->status) && shape_of(right) == shape_of(*result) &&
-                                    same_vertices(right, *result);
+                    bool is_right = std::ranges::equal(right.status, result->status) &&
+                                    shape_of(right) == shape_of(*result) && same_vertices(right, *result);
                     // Places and other arrays of the result are as before, and so is what they are compared with.
                     if (compares_places) {
                         const Result& before = votess::detail::result_of(t);
@@ -384,7 +396,7 @@ TEST_SUITE("cases") {
             }
             add({0, 1, 2, 3, 4});
             add({9, 8, 7, 6, 5});
-            REQUIRE(polytope.close_polygons(offsets, vertices));
+            REQUIRE(polytope.close_polygons(offsets, vertices, {}));
             polytope.begin_corners();
             CHECK(corners.add(polytope, 0) == (step == 1));
         }
