@@ -360,7 +360,8 @@ TEST_SUITE("cases") {
         if (!given) return;
         MESSAGE(honest << " honest sets, " << proven << " proven, " << once << " with corners proven once");
         for (std::size_t kind = 0; kind < names_of_damage.size(); ++kind)
-            MESSAGE(names_of_damage[kind] << ": " << noticed[kind] << " changed, " << harmless[kind] << " did not");
+            MESSAGE(std::string(names_of_damage[kind])
+                    << ": " << noticed[kind] << " changed, " << harmless[kind] << " did not");
     }
 
     // Its polygons turn the right way everywhere, and those of the ends wind twice. Corner k of the lower end is where
