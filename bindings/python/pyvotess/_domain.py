@@ -437,7 +437,7 @@ def as_domain(domain: Any, keywords: Any, name: str = "domain") -> Domain:
             raise TypeError(f"{name} is {shown(domain)}: give a pyvotess.Domain, a box, or box=, cell= or mesh=")
         if keywords.get("box") is not None:
             raise ValueError(f"box and {name} are both given: leave one out")
-        return Domain(**{**keywords, "box": domain})
+        return Domain(**{**keywords, "box": as_box(domain, name).ravel()})
     _checked(keywords)
     for short, value in keywords.items():
         if value is not None:
