@@ -180,11 +180,12 @@ bool is_whole(const std::string& word) {
 // z = 0, as in LAMMPS: other programs read three edges.
 votess::TriclinicBox edges_of(const votess::Tessellation& cells) {
     const votess::Box& box = cells.box();
-    // Rounded up, else points at the upper bound would be outside. The error of a difference: Knuth, TAOCP 2, 4.2.2.
+    // Rounded up where points at the upper bound would be outside. The error of a difference: Knuth, TAOCP 2, 4.2.2.
     const auto length = [&](std::size_t k) {
         const double lower = box.lower[k], upper = box.upper[k], rounded = upper - lower, part = rounded - upper;
         const double error = (upper - (rounded - part)) - (lower + part);
-        return error > 0 ? std::nextafter(rounded, std::numeric_limits<double>::infinity()) : rounded;
+        const bool up = error > 0 && !cells.periodic()[k];
+        return up ? std::nextafter(rounded, std::numeric_limits<double>::infinity()) : rounded;
     };
     votess::TriclinicBox edges{.origin = box.lower,
                                .a = {length(0), 0, 0},

@@ -191,7 +191,9 @@ void Regions::meet() {
     for (std::size_t k = is_open_ ? 1 : 0; k < count; ++k)
         ends_.push_back(std::minmax({around_[k == 0 ? count - 1 : k - 1], around_[k]}));
     std::ranges::rotate(around_, std::ranges::min_element(around_));
-    for (std::size_t k = 1; k + 1 < count; ++k) meetings_.push_back({around_[0], around_[k], around_[k + 1]});
+    for (std::size_t k = 1; k + 1 < count; ++k)  // a region that meets itself is at fault above
+        if (around_[0] != around_[k] && around_[0] != around_[k + 1])
+            meetings_.push_back({around_[0], around_[k], around_[k + 1]});
 }
 
 // Marks the largest of some regions that can be split.

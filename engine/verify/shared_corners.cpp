@@ -102,6 +102,14 @@ bool SharedCorners::is_within_walls(const RowPolytope& polytope, std::size_t see
     return true;
 }
 
+// Whether the lowest of the seeds of a corner is seen without a shift. Then its cell has the corner at the same place.
+inline bool SharedCorners::has_first_in_place(const RowPolytope& polytope, std::array<int, 3> planes) const {
+    std::ranges::sort(planes);  // walls come first, seeds ascend
+    for (const int f : planes)
+        if (sides_[at(f)].code != 0) return is_zero(polytope.name(f).shift);
+    return true;
+}
+
 template <bool with_images>
 bool SharedCorners::add_names(const RowPolytope& polytope, std::size_t seed) {
     const std::span<const RowPolytope::Fan> fans = polytope.fans();
@@ -138,6 +146,8 @@ bool SharedCorners::add_names(const RowPolytope& polytope, std::size_t seed) {
             if (original != vertex) {
                 if (is_first) return false;
                 to_compare_.push_back(v);
+            } else if (!is_first && !has_first_in_place(polytope, {a, b, c})) {
+                return false;
             }
             vertex = original;
         }

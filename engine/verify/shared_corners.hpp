@@ -79,6 +79,7 @@ private:
     [[nodiscard]] static int top_of(const Side& a, const Side& b, const Side& c);
     [[nodiscard]] bool has_one_top(const RowPolytope& polytope);
     void name_sides(const RowPolytope& polytope, std::size_t seed);
+    [[nodiscard]] bool has_first_in_place(const RowPolytope& polytope, std::array<int, 3> planes) const;
     template <bool with_images>
     [[nodiscard]] bool add_names(const RowPolytope& polytope, std::size_t seed);
     [[nodiscard]] bool check_edges(RowPolytope& polytope);

@@ -79,11 +79,11 @@ def _edges(frame: Frame) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float6
     if limits is not None:
         if not np.isfinite(limits).all():
             raise ValueError(f"frame {frame.number}: its box reaches infinity: give bounds")
-        # Rounded up, else points at the upper bounds would be outside. The error of a difference: Knuth, TAOCP 2, 4.2.2.
+        # Rounded up where points at the upper bounds would be outside. The error of a difference: Knuth, TAOCP 2, 4.2.2.
         lengths = limits[1] - limits[0]
         parts = lengths - limits[1]
         errors = (limits[1] - (lengths - parts)) - (limits[0] + parts)
-        lengths = np.where(errors > 0, np.nextafter(lengths, np.inf), lengths)
+        lengths = np.where((errors > 0) & ~np.array(domain.periodic), np.nextafter(lengths, np.inf), lengths)
         corner[:size], edges[:size, :size] = limits[0], np.diag(lengths)
     else:
         corner[:size] = 0 if domain.origin is None else domain.origin

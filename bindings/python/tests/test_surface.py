@@ -221,6 +221,13 @@ class Surface(unittest.TestCase):
             better += mesh.min_angle > before + 1
         self.assertGreater(better, 2)
 
+    def test_no_triangle_names_a_vertex_twice(self):
+        corners, sides = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+        for n in range(1, 7):
+            for seed in range(8):
+                a, b, c = vt.remesh(corners, sides, n, rng_seed=seed).triangles.T
+                self.assertFalse(((a == b) | (b == c) | (c == a)).any(), (n, seed))
+
     def test_right_meshes_of_few_points_have_no_faults(self):
         for n in (2, 3, 4):
             mesh = vt.remesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], n)

@@ -364,6 +364,47 @@ TEST_SUITE("cases") {
                     << ": " << noticed[kind] << " changed, " << harmless[kind] << " did not");
     }
 
+    // Vertices and their images are at places that differ by vectors of the box, and have the same name.
+    TEST_CASE("verify notices a cell that names another image of a vertex") {
+        std::size_t tried = 0;
+        for (std::size_t set = 0; set < test::by_size(12, 6); ++set) {
+            CAPTURE(set);
+            test::Random random(7000 + set);
+            ProofCase c;
+            make_case(std::array{1, 2, 3, 7}[set % 4], random, c);
+            c.options.want = {.neighbors = true, .volumes = set % 3 == 0};
+            c.options.want.vertices = c.options.want.faces = true;
+            const votess::Tessellation t = c.run();
+            REQUIRE(votess::verify(t, c.points).proven);
+            const Result& whole = votess::detail::result_of(t);
+            const votess::Rows rows{whole.indptr, whole.indices, whole.shifts};
+            for (int repeat = 0; repeat < 12; ++repeat) {
+                const std::size_t i = random.below(whole.status.size());
+                const auto begin = at(whole.cell_vertex_indptr[i]), end = at(whole.cell_vertex_indptr[i + 1]);
+                if (begin == end) continue;
+                const std::int32_t v = whole.cell_vertex_indices[begin + random.below(end - begin)];
+                std::vector<std::int32_t> others;
+                for (std::size_t u = 0; u < whole.vertex_image_of.size(); ++u)
+                    if (whole.vertex_image_of[u] == whole.vertex_image_of[at(v)] && u != at(v))
+                        others.push_back(static_cast<std::int32_t>(u));
+                const auto result = copy_of(t);
+                const auto listed = std::span<std::int32_t>(result->cell_vertex_indices).subspan(begin, end - begin);
+                std::erase_if(others, [&](std::int32_t u) { return std::ranges::find(listed, u) != listed.end(); });
+                if (others.empty()) continue;
+                const std::int32_t u = others[random.below(others.size())];
+                std::ranges::replace(listed, v, u);
+                std::ranges::sort(listed);
+                for (std::size_t e = rows.begin(i); e < rows.end(i); ++e)
+                    std::ranges::replace(polygon(*result, e), v, u);
+                const votess::VerifyReport report = votess::verify(votess::Tessellation(result), c.points);
+                CHECK(!report.passed);
+                CHECK(!report.proven);
+                ++tried;
+            }
+        }
+        CHECK(tried > 20);
+    }
+
     // Its polygons turn the right way everywhere, and those of the ends wind twice. Corner k of the lower end is where
     // sides 2k and 2k + 2 meet.
     TEST_CASE("verify sees a prism over a pentagram") {

@@ -495,8 +495,8 @@ TEST_SUITE("query") {
         const Numbers x{0.5, 0.5, 0.5}, d{1, 0, 0};
         CHECK(refused(x, {1, nan, 0}, {1}) == "ray 0: component nan of its direction is not finite");
         CHECK(refused(x, {0, 0, 0}, {1}) == "ray 0: its direction is 0: give another vector");
-        CHECK(refused(x, d, {-2}) == "ray 0: its length -2 is not 0 or more");
-        CHECK(refused(x, d, {nan}) == "ray 0: its length nan is not 0 or more");
+        CHECK(refused(x, d, {-2}) == "ray 0: its length -2 is not 0 or more: give lengths");
+        CHECK(refused(x, d, {nan}) == "ray 0: its length nan is not 0 or more: give lengths");
         CHECK(refused({0.5, far, 0.5}, d, {1}) == "query 0: coordinate inf is not finite");
         CHECK(refused(x, d, {1, 2}).starts_with("there are 1 origins, but 1 directions and 2 lengths"));
         CHECK(refused(x, {1e300, 1e-300, 0}, {1}).starts_with("ray 0: component 1e-300 of its direction is too small"));
