@@ -12,8 +12,8 @@
 //   D. an edge joins two corners that have two planes in common. The lowest of its seeds has one of these corners
 //      inside of the third plane of the other;
 //   E. a corner on a wall lies inside of all other walls, not on them;
-//   F. where vertices have images, the lowest of the seeds names an original. A cell that sees this seed without a shift
-//      may name it too: the corner is the same. An image that a cell names is compared with its corner.
+//   F. where vertices have images, the lowest of the seeds names an original. A cell that sees this seed without a
+//      shift may name it too: the corner is the same. An image that a cell names is compared with its corner.
 // Then each cell is the polytope of its planes and of all walls, with these corners. Proof. The determinant of C has
 // the same sign in all cells of a corner, by its turn. Consider the normals of a cell as points of a sphere. The
 // corners are triangles there, which turn the right way and meet along their sides, as polygons close. So they cover
@@ -57,7 +57,7 @@ public:
     // images: of vertices; empty if these have none.
     SharedCorners(const SeedPlanes& planes, std::span<const std::int32_t> images) : planes_(planes), images_(images) {}
 
-    // Checks A, C, D, E and F of a cell whose polygons are closed, and adds to the sums. Returns false where one does not
+    // Checks A and C to F of a cell whose polygons are closed, and adds to the sums. Returns false where one does not
     // hold or is not certain.
     [[nodiscard]] bool add(RowPolytope& polytope, std::size_t seed);
     // The corners whose places must be compared in the last cell: each vertex is among those of some cell.
