@@ -285,7 +285,7 @@ class Trace(CliTest):
             self.assertEqual(rows[r].split(), [str(x) for pair in zip(seeds[own].tolist(), parts[own].tolist()) for x in pair])
             self.assertAlmostEqual(parts[own].sum(), lengths[r], 12)
             away = points - origins[r]
-            self.assertEqual(seeds[own][:1].tolist(), [((away - np.round(away)) ** 2).sum(axis=1).argmin()] * (lengths[r] > 0))
+            self.assertEqual(seeds[own][:1].tolist(), [((away - np.round(away)) ** 2).sum(axis=1).argmin()] * int(lengths[r] > 0))
 
     def test_refused(self):
         self.put("p.txt", CUBE)

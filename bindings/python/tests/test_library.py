@@ -148,7 +148,8 @@ class Loading(unittest.TestCase):
         self.assertLess(set(vt.__all__), set(dir(vt)))
         self.assertEqual([name for name in dir(vt) if not hasattr(vt, name)], [])
         # help() has functions and what users make; inherited members of records and enumerations would triple it.
-        self.assertLess(len(pydoc.plain(pydoc.render_doc(vt)).splitlines()), 3000)
+        # Python 3.14 shows a quarter more lines than 3.11.
+        self.assertLess(len(pydoc.plain(pydoc.render_doc(vt)).splitlines()), 4000)
         self.assertEqual(dir(vt.walls), ["cone", "cylinder", "sphere"])
 
     def test_arrays_by_name(self):
