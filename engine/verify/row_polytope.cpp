@@ -183,6 +183,7 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
     std::uint64_t wrong = 0;
     for (std::size_t v = 0; v < count; ++v) {
         const auto after = [](std::uint64_t side) { return side >> 32; };
+        const auto same = [](std::uint64_t x, std::uint64_t y) { return x == y ? std::uint64_t{1} : 0; };
         const auto differ = [](std::uint64_t before, std::uint64_t after) {
             return (before >> 16 ^ after >> 32) & 0xffff;
         };
@@ -191,7 +192,7 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
         const std::uint64_t swap = (second ^ third) & -std::uint64_t{differ(second, a) == 0 ? 1u : 0u};
         const std::uint64_t b = second ^ swap, c = third ^ swap;
         wrong |= (used[v] ^ 3u) | differ(c, a) | differ(b, c) | differ(a, b);
-        wrong |= (after(a) == after(b)) | (after(b) == after(c)) | (after(c) == after(a)) ? 1 : 0;
+        wrong |= same(after(a), after(b)) | same(after(b), after(c)) | same(after(c), after(a));
         second = b, third = c;
     }
     return wrong == 0;

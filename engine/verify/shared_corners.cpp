@@ -9,7 +9,7 @@
 namespace votess {
 namespace {
 
-constexpr std::uint32_t seed_code = 4, four_seeds = 3 * seed_code;
+constexpr std::uint32_t seed_code = 4;
 // The factor of the j-th of k seeds is number 4 (k - 1) + j. Those of k seeds sum to 0.
 constexpr std::array<std::uint64_t, 16> shares{0,
                                                0,
