@@ -39,11 +39,12 @@ struct FitSeconds {
 };
 
 struct VolumeFit {
-    std::vector<double> weights;  // N, length unit squared, input order; the mean is that of the weights at the start
-    Tessellation tessellation;    // with these weights and the arrays of Options::want
-    unsigned steps = 0;           // Newton steps of all seeds
-    unsigned tessellations = 0;   // in all steps, also of fewer seeds, and the one that is returned
-    double residual = 0;          // largest |volume - target| / target; of masses with a density
+    std::vector<double>
+        weights;  // N, length unit squared, input order; the mean is that at the start, unless seeds outside are kept
+    Tessellation tessellation;   // with these weights and the arrays of Options::want
+    unsigned steps = 0;          // Newton steps of all seeds
+    unsigned tessellations = 0;  // in all steps, also of fewer seeds, and the one that is returned
+    double residual = 0;         // largest |volume - target| / target; of masses with a density
     FitSeconds seconds;
 };
 

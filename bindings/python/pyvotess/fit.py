@@ -41,7 +41,7 @@ class FitSeconds:
 class VolumeFit:
     """The outcome of :func:`fit_volumes`. With a density volumes are masses."""
 
-    weights: Float64Array  #: (N,) float64; their mean is that of the weights at the start
+    weights: Float64Array  #: (N,) float64; their mean is that at the start, unless seeds outside are kept
     tessellation: Tessellation  #: the cells with these weights
     residual: float  #: largest abs(volume - target) / target
     steps: int  #: Newton steps

@@ -46,6 +46,20 @@ std::span<std::int32_t> polygon(Result& r, std::size_t entry) {
         .subspan(at(r.face_offsets[entry]), at(r.face_offsets[entry + 1] - r.face_offsets[entry]));
 }
 
+std::span<const std::int32_t> polygon(const Result& r, std::size_t entry) {
+    return std::span<const std::int32_t>(r.face_vertices)
+        .subspan(at(r.face_offsets[entry]), at(r.face_offsets[entry + 1] - r.face_offsets[entry]));
+}
+
+// The faces of a cell that meet at each of its vertices.
+using CornerNames = std::map<std::int32_t, std::set<FaceLabel>>;
+CornerNames corner_names(const Result& r, const votess::Rows& rows, std::size_t cell) {
+    CornerNames names;
+    for (std::size_t e = rows.begin(cell); e < rows.end(cell); ++e)
+        for (const std::int32_t v : polygon(r, e)) names[v].insert(rows.label(e));
+    return names;
+}
+
 // The polygons of a result, without the numbers of vertices: each corner is named by the faces of its cell that meet
 // there, each polygon begins with its least one.
 using Shape = std::vector<std::vector<std::pair<FaceLabel, std::vector<std::set<FaceLabel>>>>>;
@@ -53,16 +67,10 @@ Shape shape_of(const Result& r) {
     const votess::Rows rows{r.indptr, r.indices, r.shifts};
     Shape shape(r.status.size());
     for (std::size_t i = 0; i < shape.size(); ++i) {
-        std::map<std::int32_t, std::set<FaceLabel>> names;
-        const auto vertices = [&](std::size_t e) {
-            return std::span<const std::int32_t>(r.face_vertices)
-                .subspan(at(r.face_offsets[e]), at(r.face_offsets[e + 1] - r.face_offsets[e]));
-        };
-        for (std::size_t e = rows.begin(i); e < rows.end(i); ++e)
-            for (const std::int32_t v : vertices(e)) names[v].insert(rows.label(e));
+        CornerNames names = corner_names(r, rows, i);
         for (std::size_t e = rows.begin(i); e < rows.end(i); ++e) {
             std::vector<std::set<FaceLabel>> corners;
-            for (const std::int32_t v : vertices(e)) corners.push_back(names[v]);
+            for (const std::int32_t v : polygon(r, e)) corners.push_back(names[v]);
             std::ranges::rotate(corners, std::ranges::min_element(corners));
             shape[i].emplace_back(rows.label(e), std::move(corners));
         }
@@ -70,21 +78,15 @@ Shape shape_of(const Result& r) {
     return shape;
 }
 
-// Whether two results of the same shape have the same vertices but for their numbers.
+// Whether two results of the same shape have the same vertices, whatever the numbers of these.
 bool same_vertices(const Result& a, const Result& b) {
     const auto corners = [](const Result& r) {  // of all polygons, from that of the least name on
         const votess::Rows rows{r.indptr, r.indices, r.shifts};
         std::vector<std::int32_t> all;
         for (std::size_t i = 0; i < r.status.size(); ++i) {
-            std::map<std::int32_t, std::set<FaceLabel>> names;
-            const auto vertices = [&](std::size_t e) {
-                return std::span<const std::int32_t>(r.face_vertices)
-                    .subspan(at(r.face_offsets[e]), at(r.face_offsets[e + 1] - r.face_offsets[e]));
-            };
-            for (std::size_t e = rows.begin(i); e < rows.end(i); ++e)
-                for (const std::int32_t v : vertices(e)) names[v].insert(rows.label(e));
+            CornerNames names = corner_names(r, rows, i);
             for (std::size_t e = rows.begin(i); e < rows.end(i); ++e) {
-                std::vector<std::int32_t> some(vertices(e).begin(), vertices(e).end());
+                std::vector<std::int32_t> some(polygon(r, e).begin(), polygon(r, e).end());
                 std::ranges::rotate(some, std::ranges::min_element(
                                               some, {}, [&](std::int32_t v) -> const auto& { return names[v]; }));
                 for (const std::int32_t v : some)
