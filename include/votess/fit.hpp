@@ -38,13 +38,13 @@ struct FitSeconds {
     double tessellate = 0, assemble = 0, solve = 0, total = 0;
 };
 
+// The mean of the weights is that at the start, unless seeds outside are kept.
 struct VolumeFit {
-    std::vector<double>
-        weights;  // N, length unit squared, input order; the mean is that at the start, unless seeds outside are kept
-    Tessellation tessellation;   // with these weights and the arrays of Options::want
-    unsigned steps = 0;          // Newton steps of all seeds
-    unsigned tessellations = 0;  // in all steps, also of fewer seeds, and the one that is returned
-    double residual = 0;         // largest |volume - target| / target; of masses with a density
+    std::vector<double> weights;  // N, length unit squared, input order
+    Tessellation tessellation;    // with these weights and the arrays of Options::want
+    unsigned steps = 0;           // Newton steps of all seeds
+    unsigned tessellations = 0;   // in all steps, also of fewer seeds, and the one that is returned
+    double residual = 0;          // largest |volume - target| / target; of masses with a density
     FitSeconds seconds;
 };
 
