@@ -107,7 +107,6 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     result_.finish(result, clipper_.pool());
     result.all_seeds = std::move(all_seeds);
     result.stats.device = "cpu";
-    progress.report(1);
     clipper_.end();
 }
 

@@ -311,7 +311,7 @@ std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, double host_seconds, st
 
 void GpuEngine::collect(const Chunk& chunk, Schedule& schedule) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
-    const PendingCells::Left found = pending_.add_left(chunk.info(), order, part_.members, clipper_.pool());
+    const PendingCells::Left found = pending_.add_left(chunk.info(), order, part_, clipper_.pool());
     const std::size_t own = chunk.count() - found.beside;
     done_cells_ += own;
     download_.set_entries(chunk.entries());
@@ -383,7 +383,6 @@ void GpuEngine::finish(detail::Result& result) {
     result.stats.precision = device_clips_ && !lists_only_ ? job_.precision : Precision::double_;
     clipper_.end();
     device_->instance().check_messages();
-    progress_.report(1);
     parts_.reset();
     periodic_.reset();
     part_ = {};

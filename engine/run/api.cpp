@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/one_call.hpp"
+#include "core/progress.hpp"
 #include "input/domain_of_result.hpp"
 #include "input/settle.hpp"
 #include "input/settled.hpp"
@@ -122,7 +123,11 @@ Tessellation run(std::shared_ptr<detail::TessellatorState> shared, std::size_t s
     try {
         Settled whole = settled();
         const LogCallback log = whole.log;
+        // Its fractions never fall, whichever engines and parts of the run report them.
+        Progress progress(whole.progress);
+        whole.progress = progress.within({0, 1});
         auto result = state.results->share(run_anywhere(state.engines, std::move(whole), state.results->take()));
+        progress.report(1);
         const Stats& s = result->stats;
         if (log)
             log("tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +

@@ -542,10 +542,11 @@ Result run_in_mesh(const Settled& whole, const RunInBox& run) {
     in_box.want = MeshCut::of_whole_cells(whole.want);
     in_box.list_walls = false;
     in_box.min_face = in_box.min_area = 0;  // they drop faces by their areas inside
-    in_box.progress = progress.within({0, 0.2});
     // A face has one area, by its cell of lower index or by the one that triangles cut.
-    if (whole.subset && (whole.want.areas || whole.want.surfaces)) in_box.subset = with_neighbors(in_box, run);
-    in_box.progress = progress.within({whole.subset ? 0.2 : 0, 0.5});
+    const bool more_cells = whole.subset && (whole.want.areas || whole.want.surfaces);
+    in_box.progress = progress.within({0, 0.2});
+    if (more_cells) in_box.subset = with_neighbors(in_box, run);
+    in_box.progress = progress.within({more_cells ? 0.2 : 0, 0.5});
     const Job job = make_job(in_box);
     place_mesh(mesh, job);
     const auto cells = std::make_shared<MeshCells>(std::make_shared<const ClosedMesh>(std::move(mesh)));

@@ -37,7 +37,7 @@ void PendingCells::add(std::int32_t cell, Reason reason) {
 }
 
 PendingCells::Left PendingCells::add_left(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order,
-                                          std::span<const std::int32_t> members, ThreadPool& pool) {
+                                          const Part& part, ThreadPool& pool) {
     std::mutex mutex;  // of cells_, reasons_ and found
     Left found;
     pool.run(ceil_div(info.size(), cells_at_once), [&](std::size_t block, unsigned) {
@@ -46,14 +46,14 @@ PendingCells::Left PendingCells::add_left(std::span<const std::uint32_t> info, s
         std::vector<Reason> reasons;
         std::size_t beside = 0;
         for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t status = info[i] & 0xff;
-            if (status == STATUS_CERTIFIED || status == STATUS_DUPLICATE || status == STATUS_EMPTY) continue;
-            if (status == STATUS_OUTSIDE) {
+            const std::uint32_t member = order[i] & INDEX_MASK;
+            if (member >= part.own_count) {  // also images of duplicates
                 ++beside;
                 continue;
             }
-            const std::uint32_t member = order[i] & INDEX_MASK;
-            cells.push_back(members.empty() ? static_cast<std::int32_t>(member) : members[member]);
+            const std::uint32_t status = info[i] & 0xff;
+            if (status == STATUS_CERTIFIED || status == STATUS_DUPLICATE || status == STATUS_EMPTY) continue;
+            cells.push_back(part.members.empty() ? static_cast<std::int32_t>(member) : part.members[member]);
             reasons.push_back(reason_of(status));
         }
         const std::lock_guard lock(mutex);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gpu/domain/parts.hpp"
 #include "output/exact_clipper.hpp"
 #include "output/result_builder.hpp"
 
@@ -24,10 +25,9 @@ public:
         std::size_t to_cpu = 0;
         std::size_t beside = 0;  // seeds beside the part, which get no cell
     };
-    // Adds the cells that a chunk leaves. info, order: status and member of each of its cells. members: input index of
-    // each member; empty when that is the member itself.
-    Left add_left(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order,
-                  std::span<const std::int32_t> members, ThreadPool& pool);
+    // Adds the cells that a chunk leaves. info, order: status and member of each of its cells.
+    Left add_left(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, const Part& part,
+                  ThreadPool& pool);
 
     // Clips them all on the CPU; none is pending then.
     void clip(ExactClipper& clipper, ResultBuilder& result, const Share& share);

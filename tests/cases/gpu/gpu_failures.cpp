@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <optional>
 #include <set>
+#include <thread>
 #include <type_traits>
 
 #include "input/settle.hpp"
@@ -269,21 +271,37 @@ TEST_SUITE("cases") {
         CHECK(open.run(few, oblique).stats().device == "cpu");
     }
 
+    TEST_CASE("gpu: the fractions of a run grow from 0 to 1, whoever reports them") {
+        PointSet set = test::uniform(300, 112);
+        std::copy_n(set.points.begin(), 300, set.points.end() - 300);  // duplicates, and images of them
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            Options options = test::all_options(set.box);
+            options.periodic.fill(periodic);
+            options.device = test::device_name();
+            options.chunk_size = 100;
+            std::vector<double> fractions;
+            int slow = 0;
+            options.progress = [&](double fraction) {
+                fractions.push_back(fraction);
+                // So slow that the next look at the clock calls back.
+                if (fraction > 0.5 && ++slow < 8) std::this_thread::sleep_for(std::chrono::milliseconds(105));
+                return true;
+            };
+            (void)votess::tessellate(set.points, options);
+            CHECK(std::is_sorted(fractions.begin(), fractions.end()));
+            CHECK(fractions.front() == 0);
+            CHECK(fractions.back() == 1);
+        }
+    }
+
     TEST_CASE("gpu: cancelled at the beginning, in between and at the end, then used again") {
         votess::Tessellator tessellator;
         const PointSet large = test::uniform(test::by_size(8000, 2000), 112);
         Options options = test::all_options(large.box);
         options.device = test::device_name();
         options.chunk_size = 500;
-        std::vector<double> fractions;
-        options.progress = [&](double fraction) {
-            fractions.push_back(fraction);
-            return true;
-        };
         const auto whole = tessellator.tessellate(large.points, options);
-        CHECK(std::is_sorted(fractions.begin(), fractions.end()));
-        CHECK(fractions.front() == 0);
-        CHECK(fractions.back() == 1);
         for (const double fraction : {0.0, 0.3, 1.0}) {
             CAPTURE(fraction);
             options.progress = stop_at(fraction);

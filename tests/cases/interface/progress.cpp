@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
@@ -56,6 +57,15 @@ std::vector<Call> calls_of(const votess::Diagram& diagram, const test::PointSet&
              options.threads = 3;
              options.progress = progress;
              return numbers(tessellator->tessellate(set.points, options).volumes());
+         }},
+        {"tessellate without a box",
+         [&set](const ProgressCallback& progress) {
+             votess::Options options;
+             constexpr double inf = std::numeric_limits<double>::infinity();
+             options.box = votess::Box{{-inf, -inf, -inf}, {inf, inf, inf}};
+             options.want.volumes = true;
+             options.progress = progress;
+             return numbers(votess::tessellate(set.points, options).volumes());
          }},
         {"Diagram",
          [&](const ProgressCallback& progress) {
@@ -145,10 +155,11 @@ TEST_SUITE("interface") {
     }
 
     TEST_CASE("progress: fractions of a query that makes cells first grow within it") {
-        const test::PointSet set = test::uniform(2000, 83), queries = test::uniform(2000, 84);
+        const test::PointSet set = test::uniform(test::by_size(20000, 2000), 83),
+                             queries = test::uniform(test::by_size(20000, 2000), 84);
         const votess::Diagram diagram(set.points);
         const auto calls = calls_of(diagram, set, queries);
-        for (const Call& call : {calls[4], calls[7], calls[8]}) {
+        for (const Call& call : {calls[5], calls[8], calls[9]}) {
             CAPTURE(call.name);
             std::vector<double> fractions;
             (void)call.run([&](double fraction) {
