@@ -83,6 +83,7 @@ const CutMeasures& CutCell::measure(bool decide_faces) {
     faces.clear();
     out_ = {};
     out_.faces = std::move(faces);
+    if (empty()) return out_;
     make_faces();
     find_candidates();
     std::size_t tried = 0;

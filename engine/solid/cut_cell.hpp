@@ -39,7 +39,7 @@ namespace votess::solid {
 // Measures of a cell's part in the mesh. Scaled; weighted by the winding number.
 struct CutMeasures {
     bool meets_surface = false;  // else only `winding` is set
-    int winding = 0;             // of a vertex
+    int winding = 0;             // of a vertex; 0 where the planes leave nothing
     bool empty = false;          // the part has no volume
     double volume = 0;
     std::array<double, 3> centroid{};  // relative to the seed
