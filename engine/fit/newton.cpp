@@ -34,6 +34,11 @@ constexpr double hard_share = 0.12;
 constexpr Eigen::Index min_seeds = 256;
 constexpr double part_tolerance = 0.1;
 
+constexpr double near = 1e4;  // residual / tolerance: a larger tolerance may do
+
+// Damping of steps upward, in means of the derivatives of volumes by weights.
+constexpr double first_damping = 0.1, max_damping = 1e6, damping_growth = 4;
+
 // The lift at the start, if some cells have no mass then, or too many; the share of its target that a cell keeps when
 // the lift sinks.
 constexpr double some_lift = 1e-3, full_lift = 1, kept_mass = 0.3;
@@ -227,6 +232,19 @@ bool Newton::advance() {
         const Timed timed(out_.seconds.assemble);
         set_laplacian(now_.tessellation, areas(), problem_.places, problem_.edges, matrix_);
     }
+    if (damping_ > 0 && now_.residual <= climbed_ && now_.volumes.minCoeff() > 0) {
+        damping_ = 0;
+        choose_share();
+    }
+    if (damping_ > 0) return climb();
+    if (approach()) return true;
+    filling_ = false;
+    climbed_ = 0.5 * std::min(now_.residual, 1.0);
+    damping_ = first_damping * matrix_.diagonal().mean();
+    return lift_ == 0 && climb();
+}
+
+bool Newton::approach() {
     const double before = distance_between(now_.volumes, problem_.targets);
     for (; share_ >= least_share; share_ /= 2) {
         if (!filling_ && share_ < short_share && smallest() < last_filled) fill();
@@ -241,6 +259,24 @@ bool Newton::advance() {
             filling_ = false;
             choose_share();
         }
+        return true;
+    }
+    return false;
+}
+
+bool Newton::climb() {
+    const Vector rest = problem_.targets - now_.volumes;
+    const double most = max_damping * matrix_.diagonal().mean();
+    for (; damping_ <= most; damping_ *= damping_growth) {
+        Matrix damped = matrix_;
+        damped.diagonal().array() += damping_;
+        const Vector step = solve(damped, rest, solver_share);
+        if (!step.allFinite()) continue;
+        Weighted next = tessellate(now_.weights + step);
+        const Vector left = problem_.targets - next.volumes;
+        if (!(left.dot(step) >= 0 || left.norm() < rest.norm())) continue;  // beyond the top of this line
+        now_ = std::move(next);
+        damping_ /= damping_growth;
         return true;
     }
     return false;
@@ -277,7 +313,8 @@ bool Newton::run(Vector weights) {
         if (out_.steps == options_.max_steps)
             why_ = "raise FitOptions::max_steps";
         else if (!(now_.residual <= options_.tolerance) && !advance())
-            why_ = "no step comes nearer, raise FitOptions::tolerance";
+            why_ = now_.residual < near * options_.tolerance ? "no step comes nearer, raise FitOptions::tolerance"
+                                                             : "no step comes nearer";
         if (!why_.empty()) break;
         sink();
     }

@@ -59,6 +59,10 @@ struct Weighted {
 //
 // Under a density that is 0 in places, cells there have no mass, and no derivative. So a share of the mass, the lift,
 // is spread evenly over the domain. After each step it sinks as far as no cell loses most of its mass.
+//
+// Between parts of a domain that cells do not connect, or hardly, the derivatives tell nothing, and no step comes
+// nearer. But the targets' weights are the maximum of a concave function, whose gradient is the targets minus the
+// volumes (Aurenhammer, Hoffmann and Aronov 1998). So damped steps climb it, also where that empties cells for a while.
 class Newton {
 public:
     Newton(Problem problem, const FitOptions& options, VolumeFit& out);
@@ -85,8 +89,12 @@ private:
                                    double left, double most);
     [[nodiscard]] Vector goal() const;
     [[nodiscard]] Vector step_to(const Vector& goal);
-    // Takes the longest step that empties no cell and comes nearer. Returns false if no step does.
+    // Takes a step. Returns false if no step leads on.
     [[nodiscard]] bool advance();
+    // Takes the longest step that empties no cell and comes nearer. Returns false if none does.
+    [[nodiscard]] bool approach();
+    // Takes a damped step upward. Returns false if none is left.
+    [[nodiscard]] bool climb();
     void choose_share();
     // Moves to the diagram that a fit of fewer seeds leads to, if that is nearer.
     void start_from_fewer();
@@ -104,6 +112,8 @@ private:
     double share_ = 1;      // of the way from volumes to targets, for the goal
     bool filling_ = false;  // the goal lets only the smallest cells grow
     double filled_ = 0;     // volume / target of the smallest cell, at which filling ends
+    double damping_ = 0;    // of the next step upward, 0 while others come nearer
+    double climbed_ = 0;    // residual at which steps upward end
     double first_residual_ = 0;
     std::string why_;
 };

@@ -15,6 +15,7 @@
 #include "input/domain_of_result.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/solids.hpp"
 
 namespace {
 
@@ -211,6 +212,24 @@ TEST_SUITE("cases") {
             CHECK(largest_error(moved.volumes(), fit.tessellation.volumes()) < 1e-9);
             for (std::size_t i = 0; i < inside.points.size(); ++i)
                 CHECK(std::abs(moved.centroids()[i] - fit.tessellation.centroids()[i]) < 1e-9);
+        }
+    }
+
+    TEST_CASE("fit: parts of a mesh that no cell connects share their volume, with all seeds in one of them") {
+        const test::Solid solid =
+            test::joined(test::cuboid({0, 0, 0}, {1, 1, 1}), test::cuboid({1.5, 0, 0}, {2, 0.5, 0.5}));
+        for (const double last : {1.0, 1.5}) {  // the last 10 seeds: in the same part, or beyond the gap
+            Grains g = grains(50, false);
+            for (std::size_t i = 40; i < 50 && last > 1; ++i) {
+                g.points[3 * i] = last + 0.5 * g.points[3 * i];
+                for (std::size_t k = 1; k < 3; ++k) g.points[3 * i + k] *= 0.5;
+            }
+            g.options.box.reset();
+            g.options.mesh = solid.mesh();
+            const votess::VolumeFit fit = votess::fit_volumes(g.points, g.targets, g.options, {.normalize = true});
+            CHECK(fit.steps <= 25);
+            for (double& target : g.targets) target *= 1.125;
+            CHECK(largest_error(fit.tessellation.volumes(), g.targets) < 1.001e-9);
         }
     }
 
