@@ -34,9 +34,10 @@ constexpr double hard_share = 0.12;
 constexpr Eigen::Index min_seeds = 256;
 constexpr double part_tolerance = 0.1;
 
-constexpr double near = 1e4;  // residual / tolerance: a larger tolerance may do
+constexpr double near = 0.01;  // residual from which a larger tolerance may do
 
 // Damping of steps upward, in means of the derivatives of volumes by weights.
+constexpr double rounded = 1e-6;  // residual below which rounding ends the approach
 constexpr double first_damping = 0.1, max_damping = 1e6, damping_growth = 4;
 
 // The lift at the start, if some cells have no mass then, or too many; the share of its target that a cell keeps when
@@ -238,10 +239,11 @@ bool Newton::advance() {
     }
     if (damping_ > 0) return climb();
     if (approach()) return true;
+    if (lift_ > 0 || now_.residual < rounded) return false;
     filling_ = false;
     climbed_ = 0.5 * std::min(now_.residual, 1.0);
     damping_ = first_damping * matrix_.diagonal().mean();
-    return lift_ == 0 && climb();
+    return climb();
 }
 
 bool Newton::approach() {
@@ -313,8 +315,7 @@ bool Newton::run(Vector weights) {
         if (out_.steps == options_.max_steps)
             why_ = "raise FitOptions::max_steps";
         else if (!(now_.residual <= options_.tolerance) && !advance())
-            why_ = now_.residual < near * options_.tolerance ? "no step comes nearer, raise FitOptions::tolerance"
-                                                             : "no step comes nearer";
+            why_ = now_.residual < near ? "no step comes nearer, raise FitOptions::tolerance" : "no step comes nearer";
         if (!why_.empty()) break;
         sink();
     }
