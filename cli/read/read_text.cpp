@@ -488,6 +488,8 @@ private:
             const auto id = read_int64(field);
             if (!id) {
                 if (has_decimal_comma(field)) throw lines_.error(not_a_number(field));
+                if (!field.empty() && field.find_first_not_of("0123456789") == field.npos)
+                    throw lines_.error(in_quotes(field) + " is too large for an id");
                 const bool flat = layout_.axes.size() == 2;
                 const bool may_be_radii = names_.empty() && row.count == layout_.axes.size() + 1 && read_double(field);
                 throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +

@@ -204,6 +204,13 @@ class Hdf5Files(Hdf5Test):
             file["PartType0/Masses"] = np.arange(300.0)
             file.create_group("Header").attrs.update(BoxSize=2.0, MassTable=[0.5, 0.25, 0, 0, 0, 0], NumFilesPerSnapshot=1,
                                                      NumPart_ThisFile=[300, 300, 0, 0, 0, 0])
+        for last in (2**63 - 1, 2**63):
+            with h5py.File(self.folder / "ids.h5", "w") as file:
+                file["points"], file["ids"] = points[:2], np.array([7, last], dtype="u8")
+            if last < 2**63:
+                self.assert_points("ids.h5", points[:2], ids=[7, last])
+            else:  # HDF5 would convert it to 2**63 - 1
+                self.refuse("ids.h5", says="row 1 = 9223372036854775808 is too large for int64")
         message = self.refuse("a.hdf5", says=["PartType0/Coordinates", "PartType1/Coordinates"])
         self.assertNotIn("Velocities", message)
         self.assertNotIn("Velocities", self.refuse("a.hdf5", "--dataset", "PartType3", says="PartType1/Coordinates"))

@@ -43,7 +43,7 @@ def _of_pandas(values: Any) -> Any:
 def as_array(values: Any, name: str) -> npt.NDArray[Any]:
     """Returns an array, without a copy of one that has the interface of NumPy or DLPack. Refuses masked values."""
     if np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values: remove them, for example by numpy.ma.compress_rows({name})")
+        raise ValueError(f"{name} has masked values: remove these points from all arrays, as in {name}[~mask]")
     if getattr(values, "requires_grad", False) is True:  # of PyTorch
         raise ValueError(f"{name} requires gradients: give {name}.detach(), or use pyvotess.autodiff.torch")
     values = _of_pandas(values)

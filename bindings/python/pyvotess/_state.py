@@ -400,6 +400,8 @@ class Cells:
         """
         self._require_space("voronoi_indices()")
         self._require_end("voronoi_indices()")
+        if self.in_mesh:
+            raise ValueError("voronoi_indices() counts edges of whole cells: tessellate without mesh=")
         threshold = as_number(edge_threshold, "edge_threshold")
         if not threshold >= 0:
             raise ValueError(f"edge_threshold is {threshold}: give a length from 0 on")

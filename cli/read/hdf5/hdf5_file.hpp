@@ -9,6 +9,7 @@
 #include <new>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,7 @@ public:
         if (!type.valid()) throw error("has no readable type");
         type_class_ = H5Tget_class(type.id());
         type_size_ = H5Tget_size(type.id());
+        is_unsigned_ = is_whole() && H5Tget_sign(type.id()) == H5T_SGN_NONE;
     }
 
     // Returns whether the shape is (frames, N, count), of floats.
@@ -79,7 +81,8 @@ public:
     template <typename Number>
     void append_to(std::vector<Number>& to, std::uint64_t first, std::uint64_t rows) const {
         check_storage();
-        const hid_t memory_type = std::is_same_v<Number, double> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+        constexpr bool whole = std::is_same_v<Number, std::int64_t>;
+        const hid_t memory_type = whole ? whole_type() : H5T_NATIVE_DOUBLE;
         const std::uint64_t columns = extent_.size() == 2 ? extent_[1] : 1;
         const std::size_t begin = to.size();
         to.resize(begin + rows * columns);
@@ -104,6 +107,7 @@ public:
                 throw error("cannot be read: the file is damaged, or packed by a filter that is not there");
             }
         }
+        if constexpr (whole) check_size(std::span(to).subspan(begin), first);
     }
 
     // Returns the value of entries that were never written, if the file sets one.
@@ -112,7 +116,7 @@ public:
         H5D_fill_value_t state{};
         std::int64_t value = 0;
         if (H5Pfill_value_defined(plist.id(), &state) < 0 || state != H5D_FILL_VALUE_USER_DEFINED ||
-            H5Pget_fill_value(plist.id(), H5T_NATIVE_INT64, &value) < 0)
+            H5Pget_fill_value(plist.id(), whole_type(), &value) < 0)
             return std::nullopt;
         return value;
     }
@@ -136,6 +140,16 @@ public:
     }
 
 private:
+    // Unsigned numbers keep their bits: HDF5 would turn those that an int64 cannot hold into its largest value.
+    [[nodiscard]] hid_t whole_type() const { return is_unsigned_ ? H5T_NATIVE_UINT64 : H5T_NATIVE_INT64; }
+    void check_size(std::span<const std::int64_t> numbers, std::uint64_t first) const {
+        if (!is_unsigned_ || std::ranges::all_of(numbers, [](std::int64_t n) { return n >= 0; })) return;
+        const auto absent = fill_value();
+        for (std::size_t k = 0; k < numbers.size(); ++k)
+            if (numbers[k] < 0 && numbers[k] != absent)
+                throw error("row " + std::to_string(first + k) + " = " +
+                            std::to_string(static_cast<std::uint64_t>(numbers[k])) + " is too large for int64");
+    }
     // Throws Failure for an extent that the file cannot hold, or for parts that were never written.
     void check_storage() const {
         const Hdf5Handle plist(H5Dget_create_plist(set_.id()), H5Pclose);
@@ -172,6 +186,7 @@ private:
     hsize_t frames_ = 1;
     H5T_class_t type_class_ = H5T_NO_CLASS;
     std::size_t type_size_ = 0;
+    bool is_unsigned_ = false;
 };
 
 class Hdf5File {
