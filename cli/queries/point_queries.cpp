@@ -137,7 +137,7 @@ private:
     votess::Tessellation cells_;
     std::array<QueryCount, 3> counts_{QueryCount{"outside", "outside of the domain"},
                                       QueryCount{"duplicates", "at the place of a seed"},
-                                      QueryCount{"empty", "without a cell among heavier seeds"}};
+                                      QueryCount{"empty", "without a cell"}};
 };
 
 class Interpolate : public Query {
