@@ -2,10 +2,10 @@
 # PyKrige takes another correlation length than GSTools from one model in degrees or kilometers: estimates and variances differ.
 #
 # Surprise: PyKrige accepts the covariance models of GSTools, on the sphere too. A model with a length of 20 degrees is given by
-#   GSTools with geo_scale=DEGREE_SCALE, or as 2224 with KM_SCALE. GSTools kriges the same values by both, and a solution by hand
-#   agrees. PyKrige gets the distance in radians for one in the unit of the model: all stations look as if they stood at one
-#   place. Estimates are off by 0.36 where they range over 3, and the mean variance is 0.01 for 0.41. In radians, the default, both agree
-#   to 1e-13. Nothing warns.
+#   GSTools with geo_scale=DEGREE_SCALE, or as 2224 with KM_SCALE. GSTools kriges the same values by both, and a solution by
+#   hand agrees. PyKrige gets the distance in radians for one in the unit of the model: all stations look as if they stood at
+#   one place. Estimates are off by 0.36 where they range over 3, and the mean variance is 0.01 for 0.41. In radians, the
+#   default, both agree to 1e-13. Nothing warns.
 # Versions: GSTools 1.7.0, PyKrige 1.7.3
 # Seen: 2026-11
 # Do: for PyKrige, give the model in radians: geo_scale=gs.RADIAN_SCALE and len_scale in radians. Or krige by GSTools.
