@@ -69,3 +69,4 @@ for name, f, stated in (("sum by ASE", by_hand, 0), ("ACSF of DScribe", acsf.cre
     print(f"{name}: {wrong.sum()} of 108 atoms change, largest {after.max():.4g} for {before.max():.4g}, ratios "
           f"{f'{min(ratio):.2f} to {max(ratio):.2f}' if len(ratio) else '-'}", "" if same else "CHANGED")
 sys.exit(bool(changed))
+EOF

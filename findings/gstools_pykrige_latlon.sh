@@ -63,3 +63,4 @@ for unit, scale in (("radians", gstools.RADIAN_SCALE), ("degrees", gstools.DEGRE
           f"{off[1][0]:.1e}, {off[1][1]:.1e}; mean variance {np.mean(pykrige[1]):.3f} for {expected[1].mean():.3f}; estimates range over "
           f"{np.ptp(expected[0]):.2f}", "" if same else "CHANGED")
 sys.exit(bool(changed))
+EOF

@@ -59,3 +59,4 @@ changed |= not same
 print(f"get_all_neighbors() and ASE: {numbers[0]} with wrapped atoms, {numbers[1]} with the same ones moved by edges of the cell", ""
       if same else "CHANGED")
 sys.exit(bool(changed))
+EOF

@@ -57,3 +57,4 @@ for shape, order in (("cube", 1), ("cube", 2), ("ball", 2)):
     changed |= not same
     print(f"{shape}, order {order}: " + ", ".join(f"{name} {v:.4f}" for name, v in volumes.items()), "" if same else "CHANGED")
 sys.exit(bool(changed))
+EOF

@@ -84,3 +84,4 @@ same = np.allclose((by_meshio, by_gmsh), -1)
 changed |= not same
 print(f"Netgen's .msh of the tetrahedra: volume {by_meshio:.6g} by meshio, {by_gmsh:.6g} by Gmsh", "" if same else "CHANGED")
 sys.exit(bool(changed))
+EOF

@@ -62,3 +62,4 @@ for p, weights, count in ((1, "random", 4000), (1, "equal", 1000), (2, "equal", 
     print(f"between samples, p = {p}, sorted, weights {weights}: {len(wrong)} of {count} wrong, at most {max(ratios):.3g} times the exact one",
           "" if same else "CHANGED")
 sys.exit(bool(changed))
+EOF

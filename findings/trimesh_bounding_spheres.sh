@@ -77,3 +77,4 @@ for name, (mesh, wrong) in parts.items():
     changed |= not same
     print(f"{name}: bounding_sphere has {ratio:.4f} times the smallest radius", "" if same else "CHANGED")
 sys.exit(bool(changed))
+EOF
