@@ -10,8 +10,8 @@
 # Versions: DScribe 2.1.2, structuretoolkit 0.1.0, ASE 3.29.0
 # Seen: 2026-11
 # Do: call atoms.wrap() on a copy before either of them.
-# Source: DScribe manual, SOAP and ACSF, periodic ("Set to true if you want the descriptor output to respect the periodicity of the
-#   atomic systems"). structuretoolkit's manual, analyse.get_neighbors, which states no restriction.
+# Source: DScribe manual, SOAP and ACSF, periodic ("Set to true if you want the descriptor output to respect the periodicity of
+#   the atomic systems"). structuretoolkit's manual, analyse.get_neighbors, which states no restriction.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
