@@ -2,7 +2,7 @@
 # POT's transport distances of weighted samples on the circle depend on the order of the samples, or are far too large.
 #
 # Surprise: semidiscrete_wasserstein2_unif_circle() sorts the samples and leaves their weights in the old order. For samples in
-#   random order the result is 0.1 to 5 times the right one; in sorted order it is right, and so it is for equal weights, as
+#   random order the result is 0.2 to 4 times the right one; in sorted order it is right, and so it is for equal weights, as
 #   in the examples. wasserstein_circle() with p = 1, its default, is right for nearly all weighted samples, and some 10 times
 #   too large for a few in a thousand, in sorted order too. Exact transport by ot.emd2() is the right one here. Nothing warns.
 # Versions: POT 0.9.7.post1, SciPy 1.17.1
