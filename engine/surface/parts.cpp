@@ -29,9 +29,9 @@ public:
     [[nodiscard]] std::uint32_t of(const exact::Point& x) {
         double least = std::numeric_limits<double>::infinity();
         seen_.clear();
-        const auto skip = [&](const SeedTree::Node& node, double square) {
-            const double weight = surface_.has_weights() ? node.weight : 0;
-            return square - weight - rounding * (square + std::abs(weight)) > least;
+        const auto skip = [&](const SeedTree::Node& node) {
+            const double weight = surface_.tree().weight(node);
+            return node.square - weight - rounding * (node.square + std::abs(weight)) > least;
         };
         surface_.tree().visit_from(x, skip, [&](std::uint32_t number) {
             const Vector3 d = minus(surface_.tree().place(number), x);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "surface/clipped_triangle.hpp"
+#include "surface/kernels.hpp"
 #include "surface/surface.hpp"
 
 namespace votess::surface {
@@ -30,6 +31,9 @@ public:
     // large.
     [[nodiscard]] bool make(std::int32_t triangle, ClippedTriangle& exact);
     [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+    [[nodiscard]] std::int32_t seed(std::size_t part) const { return surface_.tree().seed(of(sites_[part]).number); }
+    // Returns the area of a part.
+    [[nodiscard]] double area(std::size_t part, double of_triangle) const;
     // Selects a part, for what follows.
     void select(std::size_t part);
     [[nodiscard]] std::int32_t seed() const { return surface_.tree().seed(number_); }
@@ -45,55 +49,52 @@ private:
     using Site = std::uint32_t;  // 0 to 2: edges of the triangle, each from its corner; then seeds
     static constexpr Site edges = 3;
     static constexpr std::uint32_t none = 0xffffffff;
-    static constexpr std::size_t max_seeds = 512, max_corners = 2 * max_seeds + 2, lanes = 4;
-    // At weights w of the second and third vertex the value is f + w[0] d[0] + w[1] d[1].
+    static constexpr std::size_t max_seeds = Envelope::max_seeds, max_corners = 2 * max_seeds + 2;
+    // At weights w of the second and third vertex the value is f + w[0] du + w[1] dv.
     struct Seed {
-        double f;
-        std::array<double, 2> d;
-        double error;   // bound, of each
-        double change;  // |d[0]| + |d[1]|
+        double f, du, dv;
+        double error;  // bound, of each
         std::uint32_t number;
     };
     struct Links {
         std::array<Site, 3> site;           // around the corner, as the triangle turns
         std::array<std::uint32_t, 3> next;  // the corner at the other end of the side between the other two sites
+        // Returns the corner that follows along the cell of a site.
+        [[nodiscard]] std::uint32_t after(Site of) const { return next[site[0] == of ? 1 : site[1] == of ? 2 : 0]; }
     };
     struct Change {
         Site from, to;
         std::uint32_t corner;  // beyond the side between them
         std::size_t back;      // its link here
     };
-    void begin(std::uint32_t number);
-    [[nodiscard]] Seed function_of(std::uint32_t number) const;
+    void add_group(std::uint32_t first);
+    void begin(std::size_t k, std::uint32_t number);
     [[nodiscard]] const Seed& of(Site site) const { return seeds_[site - edges]; }
-    void add(std::uint32_t number);
-    [[nodiscard]] bool find_removed(const Seed& seed);
-    void join(Site site);
+    void add(std::size_t k, std::uint32_t number);
+    [[nodiscard]] bool find_removed(std::size_t k);
+    void join(const Seed& own, Site site);
+    void set_row(std::size_t i, const Seed& own, Site site);
     void remove_rest(std::size_t used);
+    void clear_corners(std::size_t from, std::size_t end);
     void find_reach();
-    [[nodiscard]] bool is_beyond_balls(const SeedTree::Node& node) const;
-    void set_corner(std::uint32_t corner, Site site, Site from, Site to);
-    void set_weights(std::uint32_t corner, double u, double v, double error);
+    [[nodiscard]] bool is_beyond_balls(const Box& box) const;
     void settle(std::int32_t triangle, ClippedTriangle& exact);
-    [[nodiscard]] std::size_t padded() const { return (count_ + lanes - 1) / lanes * lanes; }
 
     const Surface& surface_;
+    const SurfaceKernels& kernels_;
     std::array<exact::Point, 3> vertex_{};
-    exact::Point center_{}, lower_{}, upper_{};  // of the triangle
-    Vector3 first_{};                            // the first vertex, relative to the center
-    std::array<Vector3, 2> way_{};               // from there to the others
-    double length_ = 0;                          // a bound on all three
+    TriangleFrame frame_{};
+    SeedFunctions functions_{};  // of a group
     std::vector<Seed> seeds_;
-    std::size_t count_ = 0;  // corners
-    // By corner. Errors are bounds.
-    std::array<double, max_corners + lanes> u_, v_, value_, square_, error_, difference_;
+    Envelope envelope_{};
+    std::array<std::uint8_t, Envelope::room / group> marks_{};
     std::array<Links, max_corners> links_;
     std::array<std::uint8_t, max_corners> is_removed_{};
     std::vector<std::uint32_t> removed_;
     std::vector<Change> border_;
-    std::array<std::uint32_t, max_seeds + edges> leading_, following_;  // new corners, by the site after and before
-    double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;       // of all so far
-    double reach_ = 0;  // square of the distance up to which seeds may cut
+    std::array<std::uint32_t, max_seeds + edges> change_from_;  // changes, by site
+    Ring ring_{};
+    std::vector<std::uint32_t> made_;  // corners, of the ring
     bool is_sure_ = true;
     std::uint32_t hint_ = none;         // a seed of the last triangle
     std::vector<std::uint32_t> parts_;  // a corner of each
