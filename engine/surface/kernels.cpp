@@ -18,6 +18,9 @@ namespace {
 namespace baseline {
 constexpr std::size_t width = 2;
 using Real = double __attribute__((vector_size(8 * width)));
+VOTESS_INLINE unsigned bits_below(const Real& a, const Real& b) {
+    return static_cast<unsigned>(a[0] < b[0]) | static_cast<unsigned>(a[1] < b[1]) << 1;
+}
 VOTESS_INLINE unsigned bits_at_most(const Real& a, const Real& b) {
     return static_cast<unsigned>(a[0] <= b[0]) | static_cast<unsigned>(a[1] <= b[1]) << 1;
 }
@@ -37,6 +40,9 @@ VOTESS_INLINE Real root(const Real& a) {
 namespace avx2 {
 constexpr std::size_t width = 4;
 using Real = double __attribute__((vector_size(8 * width)));
+VOTESS_INLINE unsigned bits_below(const Real& a, const Real& b) {
+    return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LT_OQ)));
+}
 VOTESS_INLINE unsigned bits_at_most(const Real& a, const Real& b) {
     return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LE_OQ)));
 }
@@ -57,6 +63,9 @@ VOTESS_INLINE Real root(const Real& a) {
 namespace avx512 {
 constexpr std::size_t width = 8;
 using Real = double __attribute__((vector_size(8 * width)));
+VOTESS_INLINE unsigned bits_below(const Real& a, const Real& b) {
+    return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
+}
 VOTESS_INLINE unsigned bits_at_most(const Real& a, const Real& b) {
     return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
 }

@@ -40,24 +40,19 @@ struct alignas(64) Envelope {
     double value[room], square[room];  // square: of the distance from the seeds there
     double error[room];                // bounds, of u and v
     std::size_t count = 0;
-    double max_error = 0, max_value_error = 0, max_change = 0;  // of all corners and functions so far
+    double max_error = 0;                        // of all corners so far
+    double max_value_error = 0, max_change = 0;  // of all functions there so far
     double reach = 0;                                           // square of the distance up to which seeds may cut
 
     // Errors of values at a corner, by those of the functions there: weights add up to less than 5, and sums are
     // rounded.
     static constexpr double value_errors = 10;
-    // Returns a bound on the error of a function's value less that of the envelope, at a corner without error.
-    [[nodiscard]] double slack(double function_error) const {
-        return value_errors * (function_error + max_value_error);
-    }
-    // Returns a bound on the change of this difference, by an error of both weights.
-    [[nodiscard]] double change(double function_change) const { return 1.01 * (function_change + max_change); }
 };
 
 // The sites around a new cell, in order. Along the side with each the function g + u gu + v gv is 0. The first follows
 // the last again.
 struct alignas(64) Ring {
-    static constexpr std::size_t room = Envelope::max_seeds + 3 + 2 * group;
+    static constexpr std::size_t room = Envelope::room + group;
     double g[room], gu[room], gv[room];
     double error[room];  // bounds, of each
     double size[room];   // of the largest
@@ -73,9 +68,11 @@ struct SurfaceKernels {
     // functions of all eight.
     unsigned (*near_seeds)(const double* const* places, const TriangleFrame&, double reach,
                            SeedFunctions&);
-    // Returns the first pending seed that may be nearer to a corner than its seeds are, or `group`. Clears its bit and
-    // those before. Sets bit j of marks[b] for such corners 8 b + j, and clears the other bits.
-    std::size_t (*next_cutting)(const SeedFunctions&, unsigned& pending, const Envelope&, std::uint8_t* marks);
+    // Returns the first pending seed that is nearer to a corner than its seeds are, or may be, and clears its bit and
+    // those before; or returns `group`. Bit j of removed[b] becomes 1 if it is surely nearer to corner 8 b + j.
+    // is_sure: whether all signs are sure.
+    std::size_t (*next_cutting)(const SeedFunctions&, unsigned& pending, const Envelope&, std::uint8_t* removed,
+                                bool& is_sure);
     // Finds the corners of a ring around the cell with a function. Where the bound on their error is not below 1, it is
     // 1, and they lie somewhere in the triangle.
     void (*place_corners)(Ring&, const TriangleFrame&, double f, double du, double dv);

@@ -67,22 +67,30 @@ unsigned near_seeds(const double* const* places, const TriangleFrame& frame, dou
     return near;
 }
 
-std::size_t next_cutting(const SeedFunctions& seeds, unsigned& pending, const Envelope& e, std::uint8_t* marks) {
+std::size_t next_cutting(const SeedFunctions& seeds, unsigned& pending, const Envelope& e, std::uint8_t* removed,
+                         bool& is_sure) {
     while (pending != 0) {
         const auto k = static_cast<std::size_t>(__builtin_ctz(pending));
         pending &= pending - 1;
         if (seeds.square[k] > e.reach) continue;
         const double f = seeds.f[k], du = seeds.du[k], dv = seeds.dv[k];
-        const Real bound = Real{} + (e.slack(seeds.error[k]) + e.max_error * e.change(seeds.change[k]));
-        unsigned any = 0;
+        // Of the difference of values, at a corner without error; and its change by an error of both weights.
+        const double slack = Envelope::value_errors * (seeds.error[k] + e.max_value_error);
+        const double change = 1.01 * (seeds.change[k] + e.max_change);
+        unsigned any = 0, unsure = 0;
         for (std::size_t c = 0; c < e.count; c += group) {
-            unsigned mark = 0;
-            for (std::size_t j = c; j < c + group; j += width)
-                mark |= bits_at_most((f + (load(e.u + j) * du + load(e.v + j) * dv)) - load(e.value + j), bound)
-                        << (j - c);
-            marks[c / group] = static_cast<std::uint8_t>(mark);
-            any |= mark;
+            unsigned nearer = 0, maybe = 0;
+            for (std::size_t j = c; j < c + group; j += width) {
+                const Real difference = (f + (load(e.u + j) * du + load(e.v + j) * dv)) - load(e.value + j);
+                const Real bound = slack + load(e.error + j) * change;
+                nearer |= bits_below(difference, -bound) << (j - c);
+                maybe |= bits_at_most(difference, bound) << (j - c);
+            }
+            removed[c / group] = static_cast<std::uint8_t>(nearer);
+            any |= maybe;
+            unsure |= maybe ^ nearer;
         }
+        is_sure = unsure == 0;
         if (any != 0) return k;
     }
     return group;

@@ -10,10 +10,9 @@
 
 namespace votess::surface {
 TriangleCells::TriangleCells(const Surface& surface) : surface_(surface), kernels_(surface_kernels()) {
-    seeds_.reserve(max_seeds);
-    removed_.reserve(max_corners);
-    border_.reserve(max_corners);
-    made_.reserve(max_corners);
+    functions_[0] = {0, 0, 1, 0, 0};
+    functions_[1] = {-1, 1, 1, 0, 0};
+    functions_[2] = {0, 1, 0, 0, 0};
     clear_corners(0, Envelope::room);
 }
 
@@ -33,7 +32,7 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
     const auto& [first, way] = std::tie(frame_.first, frame_.way);
     frame_.length =
         std::sqrt(std::max(dot(first, first), std::max(dot(way[0], way[0]), dot(way[1], way[1])))) * (1 + 0x1p-40);
-    seeds_.clear();
+    end_ = edges;
     is_sure_ = true;
     envelope_.reach = std::numeric_limits<double>::max();
     const std::uint32_t near = hint_ == none ? none : hint_ - hint_ % group;
@@ -44,48 +43,50 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
     });
     if (!is_sure_) return false;
     settle(triangle, exact);
-    std::fill_n(corner_of_site_.begin(), edges + seeds_.size(), none);
+    std::fill_n(side_of_site_.begin(), end_, none);
     for (std::uint32_t c = 0; c < envelope_.count; ++c)
-        for (const Site site : links_[c].site) corner_of_site_[site] = c;
-    parts_.clear();
-    sites_.clear();
-    for (Site site = edges; site < edges + seeds_.size(); ++site) {
-        if (corner_of_site_[site] == none) continue;
-        parts_.push_back(corner_of_site_[site]);
-        sites_.push_back(site);
-    }
-    hint_ = seeds_[sites_[0] - edges].number;
+        for (std::uint32_t k = 0; k < 3; ++k) side_of_site_[corners_[c].site[k]] = turn(4 * c + k);
+    part_count_ = 0;
+    for (Site site = edges; site < end_; ++site)
+        if (side_of_site_[site] != none) parts_[part_count_++] = {site, side_of_site_[site]};
+    hint_ = functions_[parts_[0].first].number;
     return true;
 }
 
 void TriangleCells::add_group(std::uint32_t first) {
-    unsigned pending = kernels_.near_seeds(surface_.tree().places(first).data(), frame_, envelope_.reach, functions_);
+    unsigned pending = kernels_.near_seeds(surface_.tree().places(first).data(), frame_, envelope_.reach, group_);
     if (pending == 0) return;
-    if (seeds_.empty()) {
+    if (end_ == edges) {
         const auto k = static_cast<unsigned>(hint_ == none ? std::countr_zero(pending) : hint_ % group);
         pending &= ~(1U << k);
         begin(k, first + k);
     }
-    while (is_sure_) {
-        const std::size_t k = kernels_.next_cutting(functions_, pending, envelope_, marks_.data());
-        if (k == group) return;
+    const Site end = end_;
+    for (;;) {
+        const std::size_t k = kernels_.next_cutting(group_, pending, envelope_, marks_.data(), is_sure_);
+        if (k == group) break;
+        is_sure_ = is_sure_ && end_ < functions_.size();
+        if (!is_sure_) {
+            envelope_.reach = -1;
+            return;
+        }
         add(k, first + static_cast<std::uint32_t>(k));
     }
-    envelope_.reach = -1;
+    if (end_ != end) find_reach();
 }
 
 // The cell of one seed is all of the triangle.
 void TriangleCells::begin(std::size_t k, std::uint32_t number) {
-    const Seed own{functions_.f[k], functions_.du[k], functions_.dv[k], functions_.error[k], number};
-    seeds_.push_back(own);
+    const Function own{group_.f[k], group_.du[k], group_.dv[k], group_.error[k], 1, number};
+    functions_[end_++] = own;
     Envelope& e = envelope_;
     e.max_value_error = own.error;
-    e.max_change = functions_.change[k];
+    e.max_change = group_.change[k];
     e.max_error = 0;
     clear_corners(3, e.count);
     e.count = 3;
     for (std::uint32_t i = 0; i < 3; ++i) {
-        links_[i] = {{edges, (i + 2) % 3, i}, {none, (i + 1) % 3, (i + 2) % 3}};
+        corners_[i] = {{edges, (i + 2) % 3, i}, {4 * outside, 4 * ((i + 1) % 3) + 2, 4 * ((i + 2) % 3) + 1}};
         const Vector3 x = minus(vertex_[i], frame_.center);
         e.u[i] = i == 1 ? 1 : 0;
         e.v[i] = i == 2 ? 1 : 0;
@@ -105,115 +106,84 @@ void TriangleCells::clear_corners(std::size_t from, std::size_t end) {
 }
 
 void TriangleCells::add(std::size_t k, std::uint32_t number) {
-    removed_.clear();
-    is_sure_ = find_removed(k) && (removed_.empty() || seeds_.size() < max_seeds);
-    if (!is_sure_) {
-        for (const std::uint32_t c : removed_) is_removed_[c] = 0;
-    } else if (!removed_.empty()) {
-        const Seed own{functions_.f[k], functions_.du[k], functions_.dv[k], functions_.error[k], number};
-        seeds_.push_back(own);
-        envelope_.max_value_error = std::max(envelope_.max_value_error, own.error);
-        envelope_.max_change = std::max(envelope_.max_change, functions_.change[k]);
-        join(own, static_cast<Site>(edges + seeds_.size() - 1));
-        find_reach();
-    }
+    removed_count_ = 0;
+    for (std::uint32_t first = 0; first < envelope_.count; first += group)
+        for (unsigned marks = marks_[first / group]; marks != 0; marks &= marks - 1)
+            removed_[removed_count_++] = first + static_cast<std::uint32_t>(std::countr_zero(marks));
+    Function& own = functions_[end_];
+    own = {group_.f[k], group_.du[k], group_.dv[k], group_.error[k], 1, number};
+    envelope_.max_value_error = std::max(envelope_.max_value_error, own.error);
+    envelope_.max_change = std::max(envelope_.max_change, group_.change[k]);
+    join(own, end_++);
 }
 
-// Lists the marked corners that are nearer to a seed. Returns whether all signs were sure.
-bool TriangleCells::find_removed(std::size_t k) {
-    const Envelope& e = envelope_;
-    const double slack = e.slack(functions_.error[k]), change = e.change(functions_.change[k]);
-    for (std::size_t first = 0; first < e.count; first += group)
-        for (unsigned marks = marks_[first / group]; marks != 0; marks &= marks - 1) {
-            const std::size_t c = first + static_cast<std::size_t>(std::countr_zero(marks));
-            const double difference =
-                (functions_.f[k] + (e.u[c] * functions_.du[k] + e.v[c] * functions_.dv[k])) - e.value[c];
-            if (!(std::abs(difference) > slack + e.error[c] * change)) return false;
-            if (difference > 0) continue;
-            removed_.push_back(static_cast<std::uint32_t>(c));
-            is_removed_[c] = 1;
-        }
-    return true;
+// Returns a side of a removed corner that leads to one that is not.
+std::uint32_t TriangleCells::find_border() const {
+    for (std::size_t i = 0;; ++i)
+        for (std::uint32_t k = 0; k < 3; ++k)
+            if (!is_removed(corners_[removed_[i]].twin[k] >> 2)) return 4 * removed_[i] + k;
 }
 
 // Fills the hole that removed corners leave with those of a new site.
-void TriangleCells::join(const Seed& own, Site site) {
-    border_.clear();
-    for (const std::uint32_t c : removed_) {
-        const Links& of = links_[c];
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t next = of.next[k];
-            if (next != none && is_removed_[next] != 0) continue;
-            std::size_t back = 0;
-            if (next != none) back = links_[next].next[0] == c ? 0 : links_[next].next[1] == c ? 1 : 2;
-            const Site from = of.site[k == 2 ? 0 : k + 1];
-            change_from_[from] = static_cast<std::uint32_t>(border_.size());
-            border_.push_back({from, of.site[k == 0 ? 2 : k - 1], next, back});
-        }
+void TriangleCells::join(const Function& own, Site site) {
+    std::size_t count = 0;
+    const std::uint32_t border = find_border();
+    std::uint32_t side = border;
+    do {  // along the border
+        const Corner& of = corners_[side >> 2];
+        const std::uint32_t twin = of.twin[side & 3], next = turn(side);
+        const bool crosses = is_removed(twin >> 2);
+        ring_sites_[count] = of.site[next & 3];
+        beyond_[count] = twin;
+        count += crosses ? 0 : 1;
+        side = crosses ? turn(twin) : next;
+    } while (side != border);
+    for (std::size_t i = 0; i < count; ++i) set_row(i, own, functions_[ring_sites_[i]]);
+    set_row(count, own, functions_[ring_sites_[0]]);
+    ring_sites_[count] = ring_sites_[0];
+    Envelope& e = envelope_;
+    for (std::size_t i = 0; i < count; ++i)
+        made_[i] = i < removed_count_ ? removed_[i] : static_cast<std::uint32_t>(e.count++);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t c = made_[i], next = made_[i + 1 == count ? 0 : i + 1],
+                            previous = made_[i == 0 ? count - 1 : i - 1];
+        corners_[c] = {{site, ring_sites_[i], ring_sites_[i + 1]}, {beyond_[i], 4 * next + 2, 4 * previous + 1}};
+        corners_[beyond_[i] >> 2].twin[beyond_[i] & 3] = 4 * c;
     }
-    for (const std::uint32_t c : removed_) is_removed_[c] = 0;
-    made_.clear();
-    std::size_t i = 0;
-    do {
-        const Change& change = border_[i];
-        set_row(made_.size(), own, change.from);
-        made_.push_back(made_.size() < removed_.size() ? removed_[made_.size()]
-                                                       : static_cast<std::uint32_t>(envelope_.count++));
-        const std::uint32_t c = made_.back();
-        links_[c].site = {site, change.from, change.to};
-        links_[c].next[0] = change.corner;
-        if (change.corner != none) links_[change.corner].next[change.back] = c;
-        i = change_from_[change.to];
-    } while (i != 0 && made_.size() < border_.size());
-    const std::size_t count = made_.size();
-    is_sure_ = i == 0 && count == border_.size();
-    if (!is_sure_) return;
-    set_row(count, own, border_[0].from);
     ring_.count = count;
     kernels_.place_corners(ring_, frame_, own.f, own.du, own.dv);
-    Envelope& e = envelope_;
-    for (std::size_t k = 0; k < count; ++k) {
-        const std::uint32_t c = made_[k];
-        links_[c].next[1] = made_[k + 1 == count ? 0 : k + 1];
-        links_[c].next[2] = made_[k == 0 ? count - 1 : k - 1];
-        e.u[c] = ring_.u[k], e.v[c] = ring_.v[k];
-        e.value[c] = ring_.value[k], e.square[c] = ring_.square[k], e.error[c] = ring_.corner_error[k];
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t c = made_[i];
+        e.u[c] = ring_.u[i], e.v[c] = ring_.v[i];
+        e.value[c] = ring_.value[i], e.square[c] = ring_.square[i], e.error[c] = ring_.corner_error[i];
         e.max_error = std::max(e.max_error, e.error[c]);
     }
-    if (count < removed_.size()) remove_rest(count);
+    if (count < removed_count_) remove_rest(count);
 }
 
-// The function that is 0 along the side between a new cell and a site.
-void TriangleCells::set_row(std::size_t i, const Seed& own, Site site) {
-    double g, gu, gv, error, size;
-    if (site < edges) {
-        g = site == 1 ? -1 : 0;
-        gu = site == 0 ? 0 : 1;
-        gv = site == 2 ? 0 : 1;
-        error = 0;
-        size = 1;
-    } else {
-        const Seed& p = of(site);
-        g = own.f - p.f, gu = own.du - p.du, gv = own.dv - p.dv;
-        error = 1.25 * (own.error + p.error);
-        size = std::max(std::abs(g), std::max(std::abs(gu), std::abs(gv)));
-    }
+// The function that is 0 along the side between a new cell and another site.
+void TriangleCells::set_row(std::size_t i, const Function& own, const Function& other) {
+    const double g = other.seed * own.f - other.f, gu = other.seed * own.du - other.du,
+                 gv = other.seed * own.dv - other.dv;
     ring_.g[i] = g, ring_.gu[i] = gu, ring_.gv[i] = gv;
-    ring_.error[i] = error, ring_.size[i] = size;
+    ring_.error[i] = 1.25 * (other.seed * own.error + other.error);
+    ring_.size[i] = std::max(std::abs(g), std::max(std::abs(gu), std::abs(gv)));
 }
 
 // Moves the last corners to places of removed ones, which are ascending.
 void TriangleCells::remove_rest(std::size_t used) {
     Envelope& e = envelope_;
     const std::size_t end = e.count;
-    for (std::size_t i = removed_.size(); i-- > used;) {
+    for (std::size_t i = removed_count_; i-- > used;) {
         const std::uint32_t to = removed_[i];
         const auto from = static_cast<std::uint32_t>(--e.count);
         if (to == from) continue;
         for (double* const of : {e.u, e.v, e.value, e.square, e.error}) of[to] = of[from];
-        links_[to] = links_[from];
-        for (const std::uint32_t next : links_[to].next)
-            if (next != none) std::ranges::replace(links_[next].next, from, to);
+        corners_[to] = corners_[from];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t twin = corners_[to].twin[k];
+            corners_[twin >> 2].twin[twin & 3] = 4 * to + k;
+        }
     }
     clear_corners(e.count, end);
 }
@@ -232,7 +202,7 @@ void TriangleCells::find_reach() {
 bool TriangleCells::is_beyond_balls(const Box& box) const {
     const Envelope& e = envelope_;
     const Vector3 size = minus(box.upper, box.lower);
-    if (seeds_.empty() || 16 * dot(size, size) > e.reach) return false;
+    if (end_ == edges || 16 * dot(size, size) > e.reach) return false;
     const Box relative{minus(box.lower, frame_.center), minus(box.upper, frame_.center)};
     for (std::size_t c = 0; c < e.count; ++c) {
         Vector3 x;
@@ -253,26 +223,25 @@ void TriangleCells::settle(std::int32_t triangle, ClippedTriangle& exact) {
     bool is_set = false;
     for (std::uint32_t c = 0; c < e.count; ++c) {
         if (ClippedTriangle::is_accurate(e.error[c], frame_.length, std::sqrt(std::max(e.square[c], 0.0)))) continue;
-        const auto& site = links_[c].site;
+        const auto& site = corners_[c].site;
         const std::size_t k = site[0] >= edges ? 0 : site[1] >= edges ? 1 : 2;
         const auto side = [&](Site of) {
-            return of < edges ? -1 - static_cast<Side>(of) : static_cast<Side>(this->of(of).number);
+            return of < edges ? -1 - static_cast<Side>(of) : static_cast<Side>(functions_[of].number);
         };
         if (!is_set) exact.set_triangle(triangle);
         is_set = true;
-        const auto w = exact.corner(of(site[k]).number, side(site[(k + 1) % 3]), side(site[(k + 2) % 3]));
+        const auto w = exact.corner(functions_[site[k]].number, side(site[(k + 1) % 3]), side(site[(k + 2) % 3]));
         e.u[c] = w[0], e.v[c] = w[1];
     }
 }
 
 double TriangleCells::area(std::size_t part, double of_triangle) const {
     const Envelope& e = envelope_;
-    const Site site = sites_[part];
-    const std::uint32_t first = parts_[part];
-    std::uint32_t c = links_[first].after(site);
-    double area = 0, s = e.u[c] - e.u[first], t = e.v[c] - e.v[first];
-    for (c = links_[c].after(site); c != first; c = links_[c].after(site)) {
-        const double next_s = e.u[c] - e.u[first], next_t = e.v[c] - e.v[first];
+    const std::uint32_t first = parts_[part].second, origin = first >> 2;
+    std::uint32_t side = follow(first);
+    double area = 0, s = e.u[side >> 2] - e.u[origin], t = e.v[side >> 2] - e.v[origin];
+    for (side = follow(side); side != first; side = follow(side)) {
+        const double next_s = e.u[side >> 2] - e.u[origin], next_t = e.v[side >> 2] - e.v[origin];
         area += of_triangle * (s * next_t - t * next_s);
         s = next_s, t = next_t;
     }
@@ -280,18 +249,17 @@ double TriangleCells::area(std::size_t part, double of_triangle) const {
 }
 
 void TriangleCells::select(std::size_t part) {
-    const std::uint32_t first = parts_[part];
-    const Site site = sites_[part];
-    number_ = of(site).number;
+    const auto [site, first] = parts_[part];
+    number_ = functions_[site].number;
     size_ = 0;
-    for (std::uint32_t c = first;;) {
-        const Links& links = links_[c];
-        const std::size_t k = links.site[0] == site ? 0 : links.site[1] == site ? 1 : 2;
-        const Site beyond = links.site[k == 0 ? 2 : k - 1];
-        sides_[size_] = beyond < edges ? -1 - static_cast<Side>(beyond) : surface_.tree().seed(of(beyond).number);
+    for (std::uint32_t side = first;;) {
+        const std::uint32_t c = side >> 2;
+        const Site beyond = corners_[c].site[turn(side) & 3];
+        sides_[size_] =
+            beyond < edges ? -1 - static_cast<Side>(beyond) : surface_.tree().seed(functions_[beyond].number);
         weights_[size_++] = {envelope_.u[c], envelope_.v[c]};
-        c = links.after(site);
-        if (c == first) break;
+        side = follow(side);
+        if (side == first) break;
     }
     for (std::size_t i = 0; i < 3; ++i) relative_[i] = minus(vertex_[i], surface_.tree().place(number_));
 }

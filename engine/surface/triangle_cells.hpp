@@ -30,8 +30,8 @@ public:
     // Returns whether it found all parts, sooner if the last triangle is near. exact: rounds corners whose bounds are
     // large.
     [[nodiscard]] bool make(std::int32_t triangle, ClippedTriangle& exact);
-    [[nodiscard]] std::size_t parts() const { return parts_.size(); }
-    [[nodiscard]] std::int32_t seed(std::size_t part) const { return surface_.tree().seed(of(sites_[part]).number); }
+    [[nodiscard]] std::size_t parts() const { return part_count_; }
+    [[nodiscard]] std::int32_t seed(std::size_t part) const { return surface_.tree().seed(functions_[parts_[part].first].number); }
     // Returns the area of a part.
     [[nodiscard]] double area(std::size_t part, double of_triangle) const;
     // Selects a part, for what follows.
@@ -50,30 +50,35 @@ private:
     static constexpr Site edges = 3;
     static constexpr std::uint32_t none = 0xffffffff;
     static constexpr std::size_t max_seeds = Envelope::max_seeds, max_corners = 2 * max_seeds + 2;
-    // At weights w of the second and third vertex the value is f + w[0] du + w[1] dv.
-    struct Seed {
+    // At weights (u, v) of the second and third vertex the value of a seed is f + u du + v dv. The function of an edge
+    // is 0 along it.
+    struct Function {
         double f, du, dv;
-        double error;  // bound, of each
-        std::uint32_t number;
+        double error;         // bound, of each
+        double seed;          // 1 for a seed, 0 for an edge
+        std::uint32_t number = none;
     };
-    struct Links {
-        std::array<Site, 3> site;           // around the corner, as the triangle turns
-        std::array<std::uint32_t, 3> next;  // the corner at the other end of the side between the other two sites
-        // Returns the corner that follows along the cell of a site.
-        [[nodiscard]] std::uint32_t after(Site of) const { return next[site[0] == of ? 1 : site[1] == of ? 2 : 0]; }
+    // A side at a corner has a number: 4 times the corner, and k if it lies between the other two sites than site k.
+    struct Corner {
+        std::array<Site, 4> site;           // three, around the corner as the triangle turns
+        std::array<std::uint32_t, 4> twin;  // of side k: its number at the corner where it ends
     };
-    struct Change {
-        Site from, to;
-        std::uint32_t corner;  // beyond the side between them
-        std::size_t back;      // its link here
-    };
+    // Returns the side of a corner that follows another.
+    [[nodiscard]] static std::uint32_t turn(std::uint32_t side) { return side + ((side & 3) == 2 ? -2U : 1U); }
+    // Returns the side that follows another along the cell of site k + 2.
+    [[nodiscard]] std::uint32_t follow(std::uint32_t side) const {
+        return turn(turn(corners_[side >> 2].twin[side & 3]));
+    }
+    static constexpr std::uint32_t outside = Envelope::room & ~std::uint32_t{group - 1};  // stands for no corner
+    [[nodiscard]] bool is_removed(std::uint32_t corner) const {
+        return (marks_[corner / group] >> (corner % group) & 1) != 0;
+    }
     void add_group(std::uint32_t first);
     void begin(std::size_t k, std::uint32_t number);
-    [[nodiscard]] const Seed& of(Site site) const { return seeds_[site - edges]; }
     void add(std::size_t k, std::uint32_t number);
-    [[nodiscard]] bool find_removed(std::size_t k);
-    void join(const Seed& own, Site site);
-    void set_row(std::size_t i, const Seed& own, Site site);
+    [[nodiscard]] std::uint32_t find_border() const;
+    void join(const Function& own, Site site);
+    void set_row(std::size_t i, const Function& own, const Function& other);
     void remove_rest(std::size_t used);
     void clear_corners(std::size_t from, std::size_t end);
     void find_reach();
@@ -84,22 +89,24 @@ private:
     const SurfaceKernels& kernels_;
     std::array<exact::Point, 3> vertex_{};
     TriangleFrame frame_{};
-    SeedFunctions functions_{};  // of a group
-    std::vector<Seed> seeds_;
+    SeedFunctions group_{};
+    std::array<Function, max_seeds + edges> functions_;  // by site
+    Site end_ = edges;                                   // of the sites
     Envelope envelope_{};
-    std::array<std::uint8_t, Envelope::room / group> marks_{};
-    std::array<Links, max_corners> links_;
-    std::array<std::uint8_t, max_corners> is_removed_{};
-    std::vector<std::uint32_t> removed_;
-    std::vector<Change> border_;
-    std::array<std::uint32_t, max_seeds + edges> change_from_;  // changes, by site
+    std::array<Corner, outside + 1> corners_;
+    std::array<std::uint8_t, outside / group + 1> marks_{};  // bits of corners that a seed removes
+    std::array<std::uint32_t, max_corners> removed_;
+    std::size_t removed_count_ = 0;
     Ring ring_{};
-    std::vector<std::uint32_t> made_;  // corners, of the ring
+    std::array<Site, Ring::room> ring_sites_;
+    std::array<std::uint32_t, Ring::room> beyond_;  // by corner of the ring: the side that leads to it from outside
+    std::array<std::uint32_t, Ring::room> made_;    // the same corners
     bool is_sure_ = true;
-    std::uint32_t hint_ = none;         // a seed of the last triangle
-    std::vector<std::uint32_t> parts_;  // a corner of each
-    std::vector<Site> sites_;           // of these
-    std::array<std::uint32_t, max_seeds + edges> corner_of_site_;
+    std::uint32_t hint_ = none;  // a seed of the last triangle
+    // Parts: the site, and a side along its cell.
+    std::array<std::pair<Site, std::uint32_t>, max_seeds> parts_;
+    std::size_t part_count_ = 0;
+    std::array<std::uint32_t, max_seeds + edges> side_of_site_;
 
     std::uint32_t number_ = 0;
     std::size_t size_ = 0;
