@@ -53,29 +53,6 @@ VOTESS_INLINE Real root(const Real& a) {
 }  // namespace avx2
 #ifdef __clang__
 #pragma clang attribute pop
-#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"), min_vector_width(512))), \
-                             apply_to = function)
-#else
-#pragma GCC pop_options
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")
-#endif
-namespace avx512 {
-constexpr std::size_t width = 8;
-using Real = double __attribute__((vector_size(8 * width)));
-VOTESS_INLINE unsigned bits_below(const Real& a, const Real& b) {
-    return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
-}
-VOTESS_INLINE unsigned bits_at_most(const Real& a, const Real& b) {
-    return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
-}
-VOTESS_INLINE Real root(const Real& a) {
-    return _mm512_maskz_sqrt_pd(0xff, a);  // GCC 12 warns of the plain one
-}
-#include "surface/kernels.inl"
-}  // namespace avx512
-#ifdef __clang__
-#pragma clang attribute pop
 #else
 #pragma GCC pop_options
 #endif
@@ -86,8 +63,7 @@ VOTESS_INLINE Real root(const Real& a) {
 const SurfaceKernels& surface_kernels() {
     [[maybe_unused]] const std::string_view name = cpu::best_kernels().name;
 #if defined(__x86_64__)
-    if (name == "avx512") return avx512::all;
-    if (name == "avx2") return avx2::all;
+    if (name.starts_with("avx")) return avx2::all;
 #endif
     return baseline::all;
 }

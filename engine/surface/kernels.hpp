@@ -42,7 +42,7 @@ struct alignas(64) Envelope {
     std::size_t count = 0;
     double max_error = 0;                        // of all corners so far
     double max_value_error = 0, max_change = 0;  // of all functions there so far
-    double reach = 0;                                           // square of the distance up to which seeds may cut
+    double reach = 0;                            // square of the distance up to which seeds may cut
 
     // Errors of values at a corner, by those of the functions there: weights add up to less than 5, and sums are
     // rounded.
@@ -66,8 +66,7 @@ struct SurfaceKernels {
     unsigned (*near_boxes)(const cpu::BoxBlock&, const Box& home, double reach, double* squares);
     // Returns bit k if the square of the distance of seed k from the triangle's box is at most `reach`. Then writes the
     // functions of all eight.
-    unsigned (*near_seeds)(const double* const* places, const TriangleFrame&, double reach,
-                           SeedFunctions&);
+    unsigned (*near_seeds)(const double* const* places, const TriangleFrame&, double reach, SeedFunctions&);
     // Returns the first pending seed that is nearer to a corner than its seeds are, or may be, and clears its bit and
     // those before; or returns `group`. Bit j of removed[b] becomes 1 if it is surely nearer to corner 8 b + j.
     // is_sure: whether all signs are sure.
@@ -80,7 +79,8 @@ struct SurfaceKernels {
     double (*largest_square)(const Envelope&);
 };
 
-// Those for the best instruction set.
+// Those for the best instruction set. avx512 gets those of AVX2: on a processor that has it, its own gained 8 % with
+// 110 seeds on each triangle, and nothing with 6.
 [[nodiscard]] const SurfaceKernels& surface_kernels();
 
 }  // namespace votess::surface

@@ -103,17 +103,14 @@ void place_corners(Ring& ring, const TriangleFrame& frame, double f, double du, 
         const Real h = load(ring.g + k + 1), hu = load(ring.gu + k + 1), hv = load(ring.gv + k + 1);
         const Real g_size = load(ring.size + k), h_size = load(ring.size + k + 1);
         const Real g_error = load(ring.error + k), h_error = load(ring.error + k + 1);
-        const Real error =
-            2 * (g_size * h_error + h_size * g_error + g_error * h_error) + (4 * unit) * g_size * h_size;
+        const Real error = 2 * (g_size * h_error + h_size * g_error + g_error * h_error) + (4 * unit) * g_size * h_size;
         const Real across = gu * hv - gv * hu, inverse = 1 / across, sure = size_of(across) - error;
         const Real bound = 2.1 * error / sure + 8 * unit;
         const auto is_good = (sure > 0.0) & (bound < 1.0);
         const Real u = is_good ? (gv * h - g * hv) * inverse : Real{} + 1.0 / 3;
         const Real v = is_good ? (g * hu - gu * h) * inverse : Real{} + 1.0 / 3;
         const Real corner_error = is_good ? bound : Real{} + 1.0;
-        const auto place = [&](std::size_t i) {
-            return frame.first[i] + (u * frame.way[0][i] + v * frame.way[1][i]);
-        };
+        const auto place = [&](std::size_t i) { return frame.first[i] + (u * frame.way[0][i] + v * frame.way[1][i]); };
         const Real x = place(0), y = place(1), z = place(2), value = f + (u * du + v * dv);
         store(ring.u + k, u);
         store(ring.v + k, v);

@@ -64,7 +64,8 @@ std::unique_ptr<NearSeeds::Lists> NearSeeds::make(std::size_t index) const {
     const auto longest = [](const Box& box) { return std::ranges::max(minus(box.upper, box.lower)); };
     const Box box = tree_.box({0, 0, static_cast<std::uint32_t>(index)});
     const auto first = static_cast<std::uint32_t>(group * index);
-    const std::uint32_t end = std::min(first + static_cast<std::uint32_t>(group), static_cast<std::uint32_t>(tree_.size()));
+    const std::uint32_t end =
+        std::min(first + static_cast<std::uint32_t>(group), static_cast<std::uint32_t>(tree_.size()));
     const std::size_t wanted = std::min(min_listed, tree_.size());
     double distance = first_distance * longest(box), low = 0, high = std::numeric_limits<double>::infinity();
     if (!(distance > 0)) distance = longest(tree_.box(tree_.root())) / std::sqrt(static_cast<double>(tree_.size()));

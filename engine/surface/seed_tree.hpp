@@ -1,4 +1,5 @@
-// The seeds along a Hilbert curve, with a hierarchy of their boxes for searches near a place, and the seeds near each one.
+// The seeds along a Hilbert curve, with a hierarchy of their boxes for searches near a place, and the seeds near each
+// one.
 //
 // Seeds have numbers in that order, in which near ones follow each other. Eight of them are a group.
 #pragma once

@@ -37,7 +37,9 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
     envelope_.reach = std::numeric_limits<double>::max();
     const std::uint32_t near = hint_ == none ? none : hint_ - hint_ % group;
     if (near != none) add_group(near);
-    const auto skip = [&](const SeedTree::Node& node) { return is_beyond_balls(surface_.tree().box(node)); };
+    const auto skip = [&](const SeedTree::Node& node) {
+        return node.level > 0 && is_beyond_balls(surface_.tree().box(node));
+    };
     surface_.tree().visit(frame_.box, envelope_.reach, skip, [&](std::uint32_t begin, std::uint32_t) {
         if (begin != near) add_group(begin);
     });
@@ -210,8 +212,8 @@ bool TriangleCells::is_beyond_balls(const Box& box) const {
             x[k] = frame_.first[k] + (e.u[c] * frame_.way[0][k] + e.v[c] * frame_.way[1][k]);
         // (a + b)^2 is at most a^2 (1 + d) + b^2 (1 + 1 / d).
         const double error = 4 * (e.error[c] + 4 * solid::unit) * frame_.length;
-        const double square = (e.square[c] + 2 * Envelope::value_errors * e.max_value_error) * (1 + 0x1p-40) +
-                              0x1p41 * error * error;
+        const double square =
+            (e.square[c] + 2 * Envelope::value_errors * e.max_value_error) * (1 + 0x1p-40) + 0x1p41 * error * error;
         if (SeedTree::square_distance(relative, x) <= square) return false;
     }
     return true;

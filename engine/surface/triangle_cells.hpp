@@ -31,7 +31,9 @@ public:
     // large.
     [[nodiscard]] bool make(std::int32_t triangle, ClippedTriangle& exact);
     [[nodiscard]] std::size_t parts() const { return part_count_; }
-    [[nodiscard]] std::int32_t seed(std::size_t part) const { return surface_.tree().seed(functions_[parts_[part].first].number); }
+    [[nodiscard]] std::int32_t seed(std::size_t part) const {
+        return surface_.tree().seed(functions_[parts_[part].first].number);
+    }
     // Returns the area of a part.
     [[nodiscard]] double area(std::size_t part, double of_triangle) const;
     // Selects a part, for what follows.
@@ -54,8 +56,8 @@ private:
     // is 0 along it.
     struct Function {
         double f, du, dv;
-        double error;         // bound, of each
-        double seed;          // 1 for a seed, 0 for an edge
+        double error;  // bound, of each
+        double seed;   // 1 for a seed, 0 for an edge
         std::uint32_t number = none;
     };
     // A side at a corner has a number: 4 times the corner, and k if it lies between the other two sites than site k.
