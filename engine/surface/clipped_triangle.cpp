@@ -84,7 +84,7 @@ bool ClippedTriangle::search_tree() {
     const std::uint32_t own = number_;
     find_balls();
     std::size_t clips = clips_;
-    const auto skip = [&](const SeedTree::Node& node, double) {
+    const auto skip = [&](const SeedTree::Node& node) {
         if (clips_ != clips) find_balls();
         clips = clips_;
         return is_empty || !in_reach(node);
@@ -110,17 +110,18 @@ void ClippedTriangle::find_balls() {
 
 // Returns whether any seed in a box may be nearer to a corner than its own seed is, or as near.
 bool ClippedTriangle::in_reach(const SeedTree::Node& node) const {
+    const Box box = tree_.box(node);
     for (const Ball& ball : balls_) {
         double radius = ball.radius;
         if (surface_.has_weights()) {
-            const double own = surface_.weight(seed_), square = radius * radius;
+            const double own = surface_.weight(seed_), largest = tree_.weight(node), square = radius * radius;
             const double power =
-                square - own + node.weight + search_rounding * (square + std::abs(own) + std::abs(node.weight));
+                square - own + largest + search_rounding * (square + std::abs(own) + std::abs(largest));
             if (power < 0) continue;
             radius = std::sqrt(power);
         }
         radius += ball.error;
-        if (SeedTree::square_distance(node, ball.center) <= radius * radius * (1 + search_rounding)) return true;
+        if (SeedTree::square_distance(box, ball.center) <= radius * radius * (1 + search_rounding)) return true;
     }
     return false;
 }

@@ -69,8 +69,14 @@ void CellOnSurface::find_nearest(std::span<const std::size_t> own) {
         places_.clear();
         const auto [u, a, b] = frame(p);
         const Vector3 base = minus(u, surface_.seed(seed_));
-        for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c)
+        double size = 0;  // square of the largest distance from the first corner
+        for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
             places_.push_back(along(along(base, a, parts_.weights[c][0]), b, parts_.weights[c][1]));
+            size = std::max(size, square_distance(places_[0], places_.back()));
+        }
+        // The part lies in a ball around that corner.
+        const double far = distance(places_[0], centroid) - std::sqrt(size) * (1 + 0x1p-40);
+        if (far > 0 && far * far * (1 - 0x1p-40) > least) continue;
         for (std::size_t i = 1; i + 1 < places_.size(); ++i) {
             const Vector3 place = nearest_on_triangle(centroid, places_[0], places_[i], places_[i + 1]);
             if (const double square = square_distance(place, centroid); square < least) least = square, nearest = place;

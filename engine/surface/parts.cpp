@@ -29,9 +29,9 @@ public:
     [[nodiscard]] std::uint32_t of(const exact::Point& x) {
         double least = std::numeric_limits<double>::infinity();
         seen_.clear();
-        const auto skip = [&](const SeedTree::Node& node, double square) {
-            const double weight = surface_.has_weights() ? node.weight : 0;
-            return square - weight - rounding * (square + std::abs(weight)) > least;
+        const auto skip = [&](const SeedTree::Node& node) {
+            const double weight = surface_.tree().weight(node);
+            return node.square - weight - rounding * (node.square + std::abs(weight)) > least;
         };
         surface_.tree().visit_from(x, skip, [&](std::uint32_t number) {
             const Vector3 d = minus(surface_.tree().place(number), x);
@@ -106,10 +106,22 @@ private:
     std::vector<std::size_t> used_;  // slots
 };
 
+// A part, if only areas are wanted.
+struct PartArea {
+    double area, border;
+    std::int32_t seed;
+};
+
 // Parts of some triangles, or of one.
 struct Chunk {
+    struct Run {
+        std::int32_t triangle;
+        std::size_t end;  // of its parts
+    };
     std::vector<Part> parts;
-    std::vector<std::size_t> ends;  // of the parts of each triangle
+    std::vector<PartArea> areas;  // instead of these
+    std::vector<Run> runs;
+    void end_run(std::int32_t triangle) { runs.push_back({triangle, parts.size() + areas.size()}); }
     std::vector<Side> sides;
     std::vector<std::uint8_t> without_length;
     std::vector<std::array<double, 2>> weights;
@@ -140,15 +152,15 @@ public:
         areas.assign(surface_.seeds(), 0);
         borders.assign(surface_.seeds(), 0);
         // In the order of triangles, as join() puts them.
-        std::vector<std::span<const Part>> runs;
+        std::vector<std::pair<std::int32_t, std::span<const PartArea>>> runs;
         for (const Chunk& chunk : chunks_)
-            for (std::size_t k = 0; k < chunk.ends.size(); ++k) {
-                const std::size_t begin = k == 0 ? 0 : chunk.ends[k - 1];
-                runs.push_back(std::span(chunk.parts).subspan(begin, chunk.ends[k] - begin));
+            for (std::size_t begin = 0; const auto& [triangle, end] : chunk.runs) {
+                runs.emplace_back(triangle, std::span(chunk.areas).subspan(begin, end - begin));
+                begin = end;
             }
-        std::ranges::sort(runs, {}, [](const auto& run) { return run[0].triangle; });
-        for (const auto& run : runs)
-            for (const Part& part : run) {
+        std::ranges::stable_sort(runs, {}, [](const auto& run) { return run.first; });
+        for (const auto& [triangle, parts] : runs)
+            for (const PartArea& part : parts) {
                 areas[at(part.seed)] += part.area;
                 borders[at(part.seed)] += part.border;
             }
@@ -216,14 +228,20 @@ private:
     void clip_all(std::int32_t triangle, Worker& worker, Chunk& chunk, std::vector<Large>& large) const {
         const std::size_t first = chunk.parts.size();
         if (worker.cells.make(triangle, worker.part)) {
+            const Surface::Triangle& of = surface_.triangles()[at(triangle)];
+            const bool only_area = want_ == SurfaceWant::areas && !of.has_border;
             for (std::size_t i = 0; i < worker.cells.parts(); ++i) {
+                if (only_area) {
+                    chunk.areas.push_back({worker.cells.area(i, of.area), 0, worker.cells.seed(i)});
+                    continue;
+                }
                 worker.cells.select(i);
                 add_part(triangle, worker.cells, chunk);
             }
         } else {
             clip_each(triangle, worker, chunk, large);
         }
-        chunk.ends.push_back(chunk.parts.size());
+        chunk.end_run(triangle);
         if (want_ != SurfaceWant::areas)
             std::sort(chunk.parts.begin() + static_cast<std::ptrdiff_t>(first), chunk.parts.end(), is_before);
     }
@@ -263,7 +281,7 @@ private:
                 const std::size_t end = std::min(round.size(), (index + 1) * seeds_per_task);
                 for (std::size_t k = index * seeds_per_task; k < end; ++k)
                     clip(large.triangle, round[k], part, chunks_[first + index]);
-                chunks_[first + index].ends.push_back(end - index * seeds_per_task);
+                chunks_[first + index].end_run(large.triangle);
             });
             next.clear();
             for (std::size_t c = first; c < chunks_.size(); ++c) {
@@ -293,8 +311,11 @@ private:
         Part part{triangle, clipped.seed(),    static_cast<std::uint32_t>(size), clipped.has_area(), 0, 0, {},
                   0,        chunk.sides.size()};
         measure(clipped, part);
+        if (want_ == SurfaceWant::areas) {
+            chunk.areas.push_back({part.area, part.border, part.seed});
+            return;
+        }
         chunk.parts.push_back(part);
-        if (want_ == SurfaceWant::areas) return;
         for (std::size_t i = 0; i < size; ++i) {
             chunk.sides.push_back(clipped.side(i));
             chunk.without_length.push_back(clipped.has_length(i) ? 0 : 1);

@@ -30,6 +30,11 @@ namespace {
 
 constexpr std::size_t max_count = std::size_t{1} << 28;  // of places: corners of their cells have 32-bit numbers
 
+// Steps go further than Lloyd's, and on by a part of the last move: 16 such steps lowered the energy more than 30 of
+// his on ten models. The last ones are his, so that seeds end on the surface.
+constexpr double longer = 1.5, onward = 0.5;
+constexpr unsigned plain_steps = 2;
+
 // Cells that fall into parts are counted after so many steps. Where these are more than the vertices by a share,
 // relaxation begins again with fewer seeds.
 constexpr unsigned trial_steps = 5, max_trials = 3;
@@ -200,6 +205,7 @@ public:
     // cells after it.
     double step(std::span<const double> goals, SurfaceWant want) {
         double largest = 0;
+        before_ = out_.points;
         for (std::size_t i = 0; i < out_.cells.size(); ++i) {
             const Vector3 from = place_of(out_.points, i), to{goals[3 * i], goals[3 * i + 1], goals[3 * i + 2]};
             if (std::isnan(to[0])) continue;
@@ -223,6 +229,10 @@ public:
     }
     [[nodiscard]] const SurfaceCells& cells() const { return out_.cells; }
     [[nodiscard]] const std::vector<double>& points() const { return out_.points; }
+    // Returns the move of a seed in the last step.
+    [[nodiscard]] Vector3 last_move(std::size_t i) const {
+        return before_.empty() ? Vector3{} : minus(place_of(out_.points, i), place_of(before_, i));
+    }
     [[nodiscard]] SurfaceRelaxation take() {
         complete();
         return std::move(out_);
@@ -239,6 +249,7 @@ private:
 
     const TriangleMesh& mesh_;
     unsigned threads_;
+    std::vector<double> before_;  // points, one step earlier
     SurfaceRelaxation out_;
 };
 
@@ -282,8 +293,18 @@ private:
         return places;
     }
 
-    void step() {
-        relaxation_->step(goals_of(relaxation_->cells(), places()), SurfaceWant::polygons);
+    // is_fast: moves seeds further, where one part has no feature.
+    void step(bool is_fast = false) {
+        const SurfaceCells& cells = relaxation_->cells();
+        const std::vector<Vector3> middles = middles_of(cells);
+        std::vector<Vector3> places = middles;
+        features_.attract(cells, places);
+        for (std::size_t i = 0, piece = 0; is_fast && i < cells.size(); piece += at(cells.pieces[i++])) {
+            if (cells.pieces[i] != 1 || places[piece] != middles[piece]) continue;
+            const Vector3 from = place_of(relaxation_->points(), i);
+            places[piece] = along(along(from, minus(places[piece], from), longer), relaxation_->last_move(i), onward);
+        }
+        relaxation_->step(goals_of(cells, places), SurfaceWant::polygons);
         report_stage(std::min(++done_, all_steps_), all_steps_);
     }
 
@@ -293,14 +314,14 @@ private:
         for (unsigned attempt = 1;; ++attempt) {
             relaxation_.emplace(mesh_, options_.threads, sample(scaled_, 1, seeds, options_.rng_seed),
                                 SurfaceWant::polygons);
-            for (unsigned k = 0; k < trial; ++k) step();
+            for (unsigned k = 0; k < trial; ++k) step(k + plain_steps < options_.steps);
             const auto& pieces = relaxation_->cells().pieces;
             const double all = std::accumulate(pieces.begin(), pieces.end(), 0.0), wanted = static_cast<double>(count_);
             if (all <= (1 + max_excess) * wanted || attempt == max_trials) break;
             seeds = std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(seeds) * wanted / all));
             done_ -= std::min<std::size_t>(done_, trial);
         }
-        for (unsigned k = trial; k < options_.steps; ++k) step();
+        for (unsigned k = trial; k < options_.steps; ++k) step(k + plain_steps < options_.steps);
     }
 
     [[nodiscard]] Regions regions_of_parts() const {

@@ -1,127 +1,105 @@
-// A tree of boxes over seeds, for searches near a place, and the seeds near each one.
+// The seeds along a Hilbert curve, with a hierarchy of their boxes for searches near a place, and the seeds near each
+// one.
 //
-// Seeds have numbers in the order of the tree, in which near ones follow each other.
+// Seeds have numbers in that order, in which near ones follow each other. Eight of them are a group.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
+#include "core/thread_pool.hpp"
 #include "exact/predicate.hpp"
+#include "index/hierarchy.hpp"
+#include "surface/kernels.hpp"
 
 namespace votess::surface {
 
 class SeedTree {
 public:
     struct Node {
-        exact::Point lower, upper;
-        double weight;             // the largest
-        std::uint32_t begin, end;  // seeds
-        std::uint32_t child;       // the first of two; 0 for a leaf
-        std::uint32_t axis;        // along which they follow each other
+        double square;  // of its distance
+        int level;      // 0: a group
+        std::uint32_t index;
     };
 
     // weights: may be empty. Of seeds at one place only that of the largest weight, or else of lowest index, is in the
     // tree: the others have no cells.
-    SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights);
+    SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights, ThreadPool& pool);
 
-    [[nodiscard]] std::size_t size() const { return order_.size(); }
+    [[nodiscard]] std::size_t size() const { return seeds_.size(); }
+    [[nodiscard]] std::size_t groups() const { return hierarchy_.count(0); }
     // Returns a seed, by its number.
-    [[nodiscard]] std::int32_t seed(std::uint32_t number) const { return order_[number]; }
-    [[nodiscard]] const exact::Point& place(std::uint32_t number) const { return places_[number]; }
-    [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
-    // Returns the leaf of a number.
-    [[nodiscard]] const Node& leaf(std::uint32_t number) const { return nodes_[leaf_of_[number]]; }
+    [[nodiscard]] std::int32_t seed(std::uint32_t number) const { return seeds_.input[number]; }
+    [[nodiscard]] exact::Point place(std::uint32_t number) const {
+        return {seeds_.x[number], seeds_.y[number], seeds_.z[number]};
+    }
+    // Coordinates of all seeds, from a number on. Those that fill up the last group are infinite.
+    [[nodiscard]] std::array<const double*, 3> places(std::uint32_t from) const {
+        return {&seeds_.x[from], &seeds_.y[from], &seeds_.z[from]};
+    }
+    [[nodiscard]] Node root() const { return {0, hierarchy_.top_level(), 0}; }
+    [[nodiscard]] Box box(const Node& node) const { return hierarchy_.box(node.level, node.index); }
+    // Returns the largest weight of a seed.
+    [[nodiscard]] double weight(const Node& node) const { return hierarchy_.largest_weight(node.level, node.index); }
 
-    // Calls visit(number) in the order of boxes by their distance from x. Passes over boxes with skip(node, square of
-    // the distance).
+    // Calls visit(first, end) with the numbers of groups whose distance from a box has a square of at most reach, near
+    // ones early. visit() may lower reach. Passes over boxes with skip(node).
+    template <class Skip, class Visit>
+    void visit(const Box& home, const double& reach, Skip skip, Visit visit) const {
+        std::array<Node, cpu::Hierarchy::max_nodes> pending;
+        pending[0] = root();
+        for (std::size_t count = 1; count > 0;) {
+            const Node node = pending[--count];
+            if (node.square > reach || skip(node)) continue;
+            if (node.level == 0) {
+                const auto first = static_cast<std::uint32_t>(group * node.index);
+                visit(first, std::min(first + static_cast<std::uint32_t>(group), static_cast<std::uint32_t>(size())));
+                continue;
+            }
+            std::array<double, group> squares;
+            unsigned near = kernels_.near_boxes(hierarchy_.block(node.level - 1, node.index), home,
+                                                std::min(reach, std::numeric_limits<double>::max()), squares.data());
+            const std::size_t first = count;
+            for (; near != 0; near &= near - 1) {
+                const auto k = static_cast<std::uint32_t>(std::countr_zero(near));
+                std::size_t to = count++;
+                for (; to > first && pending[to - 1].square < squares[k]; --to) pending[to] = pending[to - 1];
+                pending[to] = {squares[k], node.level - 1, static_cast<std::uint32_t>(group) * node.index + k};
+            }
+        }
+    }
+    // Calls visit(number) in the order of boxes by their distance from x.
     template <class Skip, class Visit>
     void visit_from(const exact::Point& x, Skip skip, Visit visit) const {
-        std::array<std::pair<std::uint32_t, double>, max_depth> pending;
-        pending[0] = {0, square_distance(nodes_[0], x)};
-        for (std::size_t count = 1; count > 0;) {
-            const auto [at, square] = pending[--count];
-            const Node& node = nodes_[at];
-            if (skip(node, square)) continue;
-            if (node.child == 0) {
-                for (std::uint32_t k = node.begin; k < node.end; ++k) visit(k);
-                continue;
-            }
-            std::pair near{node.child, square_distance(nodes_[node.child], x)};
-            std::pair far{node.child + 1, square_distance(nodes_[node.child + 1], x)};
-            if (far.second < near.second) std::swap(near, far);
-            pending[count++] = far;
-            pending[count++] = near;
-        }
+        this->visit({x, x}, std::numeric_limits<double>::infinity(), skip, [&](std::uint32_t k, std::uint32_t end) {
+            for (; k < end; ++k) visit(k);
+        });
     }
-    // Calls visit(number) for all seeds whose distance from a box has a square of at most reach, those near its center
-    // early. visit() may lower reach. Passes over boxes with skip(node).
-    template <class Skip, class Visit>
-    void visit_around(const exact::Point& lower, const exact::Point& upper, const exact::Point& center,
-                      const double& reach, Skip skip, Visit visit) const {
-        std::array<std::pair<std::uint32_t, double>, max_depth> pending;
-        pending[0] = {0, 0};
-        for (std::size_t count = 1; count > 0;) {
-            const auto [at, square] = pending[--count];
-            if (square > reach) continue;
-            const Node& node = nodes_[at];
-            if (skip(node)) continue;
-            if (node.child == 0) {
-                for (std::uint32_t k = node.begin; k < node.end; ++k)
-                    if (square_between(places_[k], places_[k], lower, upper) <= reach) visit(k);
-                continue;
-            }
-            const Node& low = nodes_[node.child];
-            const Node& high = nodes_[node.child + 1];
-            const std::uint32_t is_far = 2 * center[node.axis] < low.upper[node.axis] + high.lower[node.axis] ? 1 : 0;
-            for (const std::uint32_t child : {node.child + is_far, node.child + 1 - is_far}) {
-                const double gap = square_between(nodes_[child].lower, nodes_[child].upper, lower, upper);
-                pending[count] = {child, gap};
-                count += gap <= reach ? 1 : 0;
-            }
-        }
-    }
-    // Returns the square of the distance between two boxes.
-    [[nodiscard]] static double square_between(const exact::Point& lower, const exact::Point& upper,
-                                               const exact::Point& other_lower, const exact::Point& other_upper) {
+    // Returns the square of the distance of a place from a box.
+    [[nodiscard]] static double square_distance(const Box& box, const exact::Point& x) {
         double square = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double below = other_lower[k] - upper[k], above = lower[k] - other_upper[k];
-            const double twice = (below + std::abs(below)) + (above + std::abs(above));  // the gap, without branches
-            square += twice * twice;
-        }
-        return square / 4;
-    }
-    [[nodiscard]] static double square_distance(const Node& node, const exact::Point& x) {
-        double square = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double gap = std::max({0.0, node.lower[k] - x[k], x[k] - node.upper[k]});
+            const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
             square += gap * gap;
         }
         return square;
     }
 
 private:
-    static constexpr std::size_t max_depth = 80;
-    struct Item {
-        exact::Point place;
-        std::int32_t seed;
-    };
-    void split(std::uint32_t at, std::span<Item> items, std::span<const double> weights);
-
-    std::vector<Node> nodes_;
-    std::vector<std::int32_t> order_;
-    std::vector<exact::Point> places_;    // in that order
-    std::vector<std::uint32_t> leaf_of_;  // nodes, in that order
+    const SurfaceKernels& kernels_;
+    cpu::SortedSeeds seeds_;
+    cpu::Hierarchy hierarchy_;
 };
 
-// The seeds near each one. They are found for all seeds of a leaf when one is asked for first, on any thread.
+// The seeds near each one. They are found for all seeds of a group when one is asked for first, on any thread.
 class NearSeeds {
 public:
     // Around one seed, nearly ascending by distance: by squares in float. Complete up to the square of a distance.
@@ -131,33 +109,32 @@ public:
     };
     static constexpr double order_rounding = 1e-6;  // of squares
 
-    explicit NearSeeds(const SeedTree& tree) : tree_(tree), of_leaf_(tree.nodes().size()) {}
+    explicit NearSeeds(const SeedTree& tree) : tree_(tree), of_group_(tree.groups()) {}
     ~NearSeeds() {
-        for (const auto& lists : of_leaf_) delete lists.load(std::memory_order_relaxed);
+        for (const auto& lists : of_group_) delete lists.load(std::memory_order_relaxed);
     }
     NearSeeds(const NearSeeds&) = delete;
     NearSeeds& operator=(const NearSeeds&) = delete;
 
     [[nodiscard]] List of(std::uint32_t number) const {
-        const SeedTree::Node& leaf = tree_.leaf(number);
-        const Lists& lists = of_leaf(leaf);
-        const std::size_t k = number - leaf.begin;
+        const Lists& lists = of_group(number / group);
+        const std::size_t k = number % group;
         return {std::span(lists.numbers).subspan(lists.begin[k], lists.begin[k + 1] - lists.begin[k]), lists.complete};
     }
 
 private:
     struct Lists {
         double complete = 0;
-        std::vector<std::uint32_t> begin;  // by seed of the leaf, and the end
+        std::vector<std::uint32_t> begin;  // by seed of the group, and the end
         std::vector<std::uint32_t> numbers;
     };
-    [[nodiscard]] const Lists& of_leaf(const SeedTree::Node& leaf) const;
-    [[nodiscard]] std::unique_ptr<Lists> make(const SeedTree::Node& leaf) const;
-    // Lists the seeds around a leaf up to a distance, or max_listed and more of them.
-    void collect(const SeedTree::Node& leaf, double distance, std::vector<std::uint32_t>& found) const;
+    [[nodiscard]] const Lists& of_group(std::size_t index) const;
+    [[nodiscard]] std::unique_ptr<Lists> make(std::size_t index) const;
+    // Lists the seeds around a box up to a distance, or max_listed and more of them.
+    void collect(const Box& box, double distance, std::vector<std::uint32_t>& found) const;
 
     const SeedTree& tree_;
-    mutable std::vector<std::atomic<const Lists*>> of_leaf_;  // by node
+    mutable std::vector<std::atomic<const Lists*>> of_group_;
 };
 
 }  // namespace votess::surface

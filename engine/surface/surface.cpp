@@ -49,7 +49,8 @@ double area_of(const exact::Point& u, const exact::Point& v, const exact::Point&
 
 }  // namespace
 
-Surface::Surface(std::span<const double> points, const TriangleMesh& mesh, std::span<const double> weights) {
+Surface::Surface(std::span<const double> points, const TriangleMesh& mesh, std::span<const double> weights,
+                 ThreadPool& pool) {
     if (points.size() % 3 != 0)
         refuse("points hold " + std::to_string(points.size()) +
                " numbers, not a multiple of 3: the shape must be (N,3)");
@@ -99,7 +100,7 @@ Surface::Surface(std::span<const double> points, const TriangleMesh& mesh, std::
     }
     if (!(area > 0)) refuse("surface: its triangles have no area");
     find_edges();
-    tree_ = std::make_unique<SeedTree>(seeds_, weights_);
+    tree_ = std::make_unique<SeedTree>(seeds_, weights_, pool);
 }
 
 void Surface::read_weights(std::span<const double> weights) {

@@ -17,7 +17,8 @@ namespace votess::surface {
 class Surface {
 public:
     // Throws invalid_argument.
-    Surface(std::span<const double> points, const TriangleMesh& mesh, std::span<const double> weights);
+    Surface(std::span<const double> points, const TriangleMesh& mesh, std::span<const double> weights,
+            ThreadPool& pool);
 
     struct Triangle {
         std::array<std::int32_t, 3> vertex;

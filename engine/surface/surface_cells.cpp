@@ -237,8 +237,8 @@ SurfaceCells cells_on(std::span<const double> points, const TriangleMesh& mesh, 
                       bool is_whole) {
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {});
-    const Surface surface(points, mesh, options.weights);
     ThreadPool pool(options.threads);
+    const Surface surface(points, mesh, options.weights, pool);
     if (options.want == SurfaceWant::areas) return only_areas(surface, pool);
     Parts parts = find_parts(surface, options.want, pool);
     return Result(surface, options.want, is_whole, parts, pool).make();

@@ -1,27 +1,19 @@
 #include "surface/triangle_cells.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
 #include "core/arithmetic.hpp"
 
 namespace votess::surface {
-namespace {
-
-using solid::tiny;
-using solid::unit;
-
-// Errors of values at a corner, by those of the functions there: weights add up to less than 5, and sums are rounded.
-constexpr double value_errors = 10;
-// Bounds on the errors of a value in units of its terms, rounded up.
-constexpr double function_rounding = 8 * unit;
-
-}  // namespace
-
-TriangleCells::TriangleCells(const Surface& surface) : surface_(surface) {
-    seeds_.reserve(max_seeds);
-    removed_.reserve(max_corners);
-    border_.reserve(max_corners);
+TriangleCells::TriangleCells(const Surface& surface) : surface_(surface), kernels_(surface_kernels()) {
+    functions_[0] = {0, 0, 1, 0, 0};
+    functions_[1] = {-1, 1, 1, 0, 0};
+    functions_[2] = {0, 1, 0, 0, 0};
+    clear_corners(0, Envelope::room);
 }
 
 bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
@@ -30,264 +22,246 @@ bool TriangleCells::make(std::int32_t triangle, ClippedTriangle& exact) {
     for (std::size_t i = 0; i < 3; ++i) vertex_[i] = surface_.vertex(of.vertex[i]);
     for (std::size_t k = 0; k < 3; ++k) {
         const double a = vertex_[0][k], b = vertex_[1][k], c = vertex_[2][k];
-        lower_[k] = std::min(std::min(a, b), c);
-        upper_[k] = std::max(std::max(a, b), c);
-        center_[k] = (a + b + c) / 3;
-        first_[k] = a - center_[k];
-        way_[0][k] = b - a;
-        way_[1][k] = c - a;
+        frame_.box.lower[k] = std::min(std::min(a, b), c);
+        frame_.box.upper[k] = std::max(std::max(a, b), c);
+        frame_.center[k] = (a + b + c) / 3;
+        frame_.first[k] = a - frame_.center[k];
+        frame_.way[0][k] = b - a;
+        frame_.way[1][k] = c - a;
     }
-    length_ = std::sqrt(std::max(dot(first_, first_), std::max(dot(way_[0], way_[0]), dot(way_[1], way_[1])))) *
-              (1 + 0x1p-40);
-    seeds_.clear();
+    const auto& [first, way] = std::tie(frame_.first, frame_.way);
+    frame_.length =
+        std::sqrt(std::max(dot(first, first), std::max(dot(way[0], way[0]), dot(way[1], way[1])))) * (1 + 0x1p-40);
+    end_ = edges;
     is_sure_ = true;
-    reach_ = infinity;
-    const std::uint32_t first = hint_;
-    if (first != none) begin(first);
-    const auto skip = [&](const SeedTree::Node& node) { return is_beyond_balls(node); };
-    surface_.tree().visit_around(lower_, upper_, center_, reach_, skip, [&](std::uint32_t number) {
-        if (seeds_.empty())
-            begin(number);
-        else if (number != first)
-            add(number);
+    envelope_.reach = std::numeric_limits<double>::max();
+    const std::uint32_t near = hint_ == none ? none : hint_ - hint_ % group;
+    if (near != none) add_group(near);
+    const auto skip = [&](const SeedTree::Node& node) {
+        return node.level > 0 && is_beyond_balls(surface_.tree().box(node));
+    };
+    surface_.tree().visit(frame_.box, envelope_.reach, skip, [&](std::uint32_t begin, std::uint32_t) {
+        if (begin != near) add_group(begin);
     });
     if (!is_sure_) return false;
     settle(triangle, exact);
-    std::fill_n(corner_of_site_.begin(), edges + seeds_.size(), none);
-    for (std::uint32_t c = 0; c < count_; ++c)
-        for (const Site site : links_[c].site) corner_of_site_[site] = c;
-    parts_.clear();
-    sites_.clear();
-    for (Site site = edges; site < edges + seeds_.size(); ++site) {
-        if (corner_of_site_[site] == none) continue;
-        parts_.push_back(corner_of_site_[site]);
-        sites_.push_back(site);
-    }
-    hint_ = seeds_[sites_[0] - edges].number;
+    std::fill_n(side_of_site_.begin(), end_, none);
+    for (std::uint32_t c = 0; c < envelope_.count; ++c)
+        for (std::uint32_t k = 0; k < 3; ++k) side_of_site_[corners_[c].site[k]] = turn(4 * c + k);
+    part_count_ = 0;
+    for (Site site = edges; site < end_; ++site)
+        if (side_of_site_[site] != none) parts_[part_count_++] = {site, side_of_site_[site]};
+    hint_ = functions_[parts_[0].first].number;
     return true;
 }
 
+void TriangleCells::add_group(std::uint32_t first) {
+    unsigned pending = kernels_.near_seeds(surface_.tree().places(first).data(), frame_, envelope_.reach, group_);
+    if (pending == 0) return;
+    if (end_ == edges) {
+        const auto k = static_cast<unsigned>(hint_ == none ? std::countr_zero(pending) : hint_ % group);
+        pending &= ~(1U << k);
+        begin(k, first + k);
+    }
+    const Site end = end_;
+    for (;;) {
+        const std::size_t k = kernels_.next_cutting(group_, pending, envelope_, marks_.data(), is_sure_);
+        if (k == group) break;
+        is_sure_ = is_sure_ && end_ < functions_.size();
+        if (!is_sure_) {
+            envelope_.reach = -1;
+            return;
+        }
+        add(k, first + static_cast<std::uint32_t>(k));
+    }
+    if (end_ != end) find_reach();
+}
+
 // The cell of one seed is all of the triangle.
-void TriangleCells::begin(std::uint32_t number) {
-    seeds_.push_back(function_of(number));
-    max_value_error_ = seeds_[0].error;
-    max_change_ = seeds_[0].change;
-    max_error_ = 0;
-    count_ = 3;
+void TriangleCells::begin(std::size_t k, std::uint32_t number) {
+    const Function own{group_.f[k], group_.du[k], group_.dv[k], group_.error[k], 1, number};
+    functions_[end_++] = own;
+    Envelope& e = envelope_;
+    e.max_value_error = own.error;
+    e.max_change = group_.change[k];
+    e.max_error = 0;
+    clear_corners(3, e.count);
+    e.count = 3;
     for (std::uint32_t i = 0; i < 3; ++i) {
-        links_[i] = {{edges, (i + 2) % 3, i}, {none, (i + 1) % 3, (i + 2) % 3}};
-        set_corner(i, edges, (i + 2) % 3, i);
+        corners_[i] = {{edges, (i + 2) % 3, i}, {4 * outside, 4 * ((i + 1) % 3) + 2, 4 * ((i + 2) % 3) + 1}};
+        const Vector3 x = minus(vertex_[i], frame_.center);
+        e.u[i] = i == 1 ? 1 : 0;
+        e.v[i] = i == 2 ? 1 : 0;
+        e.error[i] = 0;
+        e.value[i] = own.f + (i == 1 ? own.du : i == 2 ? own.dv : 0);
+        e.square[i] = e.value[i] + dot(x, x);
     }
     find_reach();
 }
 
-TriangleCells::Seed TriangleCells::function_of(std::uint32_t number) const {
-    const Vector3 s = minus(surface_.tree().place(number), center_);
-    const double square = dot(s, s);
-    Seed seed{square - 2 * dot(s, first_), {-2 * dot(s, way_[0]), -2 * dot(s, way_[1])}, 0, 0, number};
-    seed.error = function_rounding * (square + 2 * std::sqrt(square) * length_) + tiny;
-    seed.change = std::abs(seed.d[0]) + std::abs(seed.d[1]);
-    return seed;
-}
-
-void TriangleCells::add(std::uint32_t number) {
-    const Seed seed = function_of(number);
-    removed_.clear();
-    is_sure_ = find_removed(seed) && (removed_.empty() || seeds_.size() < max_seeds);
-    if (!is_sure_) {
-        for (const std::uint32_t c : removed_) is_removed_[c] = 0;
-        reach_ = -1;
-    } else if (!removed_.empty()) {
-        seeds_.push_back(seed);
-        max_value_error_ = std::max(max_value_error_, seed.error);
-        max_change_ = std::max(max_change_, seed.change);
-        join(static_cast<Site>(edges + seeds_.size() - 1));
-        find_reach();
+// Makes corners ones that no function changes.
+void TriangleCells::clear_corners(std::size_t from, std::size_t end) {
+    for (std::size_t c = from; c < end; ++c) {
+        envelope_.u[c] = envelope_.v[c] = envelope_.square[c] = 0;
+        envelope_.value[c] = -infinity;
     }
 }
 
-// Lists the corners that are nearer to a seed. Returns whether all signs were sure.
-bool TriangleCells::find_removed(const Seed& seed) {
-    const double f = seed.f, du = seed.d[0], dv = seed.d[1];
-    std::array<double, lanes> least;
-    least.fill(infinity);
-    const std::size_t end = padded();
-    for (std::size_t c = 0; c < end; c += lanes) {
-        std::array<double, lanes> difference;
-        for (std::size_t j = 0; j < lanes; ++j) difference[j] = (f + (u_[c + j] * du + v_[c + j] * dv)) - value_[c + j];
-        for (std::size_t j = 0; j < lanes; ++j) least[j] = difference[j] < least[j] ? difference[j] : least[j];
-        for (std::size_t j = 0; j < lanes; ++j) difference_[c + j] = difference[j];
-    }
-    const double slack = value_errors * (seed.error + max_value_error_), change = 1.01 * (seed.change + max_change_);
-    const double bound = slack + max_error_ * change;
-    if (std::min(std::min(least[0], least[1]), std::min(least[2], least[3])) > bound) return true;
-    for (std::uint32_t c = 0; c < count_; ++c) {
-        if (difference_[c] > bound) continue;
-        if (!(std::abs(difference_[c]) > slack + error_[c] * change)) return false;
-        if (difference_[c] > 0) continue;
-        removed_.push_back(c);
-        is_removed_[c] = 1;
-    }
-    return true;
+void TriangleCells::add(std::size_t k, std::uint32_t number) {
+    removed_count_ = 0;
+    for (std::uint32_t first = 0; first < envelope_.count; first += group)
+        for (unsigned marks = marks_[first / group]; marks != 0; marks &= marks - 1)
+            removed_[removed_count_++] = first + static_cast<std::uint32_t>(std::countr_zero(marks));
+    Function& own = functions_[end_];
+    own = {group_.f[k], group_.du[k], group_.dv[k], group_.error[k], 1, number};
+    envelope_.max_value_error = std::max(envelope_.max_value_error, own.error);
+    envelope_.max_change = std::max(envelope_.max_change, group_.change[k]);
+    join(own, end_++);
+}
+
+// Returns a side of a removed corner that leads to one that is not.
+std::uint32_t TriangleCells::find_border() const {
+    for (std::size_t i = 0;; ++i)
+        for (std::uint32_t k = 0; k < 3; ++k)
+            if (!is_removed(corners_[removed_[i]].twin[k] >> 2)) return 4 * removed_[i] + k;
 }
 
 // Fills the hole that removed corners leave with those of a new site.
-void TriangleCells::join(Site site) {
-    border_.clear();
-    for (const std::uint32_t c : removed_) {
-        const Links& of = links_[c];
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t next = of.next[k];
-            if (next != none && is_removed_[next] != 0) continue;
-            std::size_t back = 0;
-            if (next != none) back = links_[next].next[0] == c ? 0 : links_[next].next[1] == c ? 1 : 2;
-            border_.push_back({of.site[k == 2 ? 0 : k + 1], of.site[k == 0 ? 2 : k - 1], next, back});
-        }
+void TriangleCells::join(const Function& own, Site site) {
+    std::size_t count = 0;
+    const std::uint32_t border = find_border();
+    std::uint32_t side = border;
+    do {  // along the border
+        const Corner& of = corners_[side >> 2];
+        const std::uint32_t twin = of.twin[side & 3], next = turn(side);
+        const bool crosses = is_removed(twin >> 2);
+        ring_sites_[count] = of.site[next & 3];
+        beyond_[count] = twin;
+        count += crosses ? 0 : 1;
+        side = crosses ? turn(twin) : next;
+    } while (side != border);
+    for (std::size_t i = 0; i < count; ++i) set_row(i, own, functions_[ring_sites_[i]]);
+    set_row(count, own, functions_[ring_sites_[0]]);
+    ring_sites_[count] = ring_sites_[0];
+    Envelope& e = envelope_;
+    for (std::size_t i = 0; i < count; ++i)
+        made_[i] = i < removed_count_ ? removed_[i] : static_cast<std::uint32_t>(e.count++);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t c = made_[i], next = made_[i + 1 == count ? 0 : i + 1],
+                            previous = made_[i == 0 ? count - 1 : i - 1];
+        corners_[c] = {{site, ring_sites_[i], ring_sites_[i + 1]}, {beyond_[i], 4 * next + 2, 4 * previous + 1}};
+        corners_[beyond_[i] >> 2].twin[beyond_[i] & 3] = 4 * c;
     }
-    std::size_t used = 0;
-    for (const Change& change : border_) {
-        const auto c = used < removed_.size() ? removed_[used] : static_cast<std::uint32_t>(count_++);
-        ++used;
-        is_removed_[c] = 0;
-        links_[c] = {{site, change.from, change.to}, {change.corner, 0, 0}};
-        if (change.corner != none) links_[change.corner].next[change.back] = c;
-        leading_[change.from] = c;
-        following_[change.to] = c;
-        set_corner(c, site, change.from, change.to);
+    ring_.count = count;
+    kernels_.place_corners(ring_, frame_, own.f, own.du, own.dv);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t c = made_[i];
+        e.u[c] = ring_.u[i], e.v[c] = ring_.v[i];
+        e.value[c] = ring_.value[i], e.square[c] = ring_.square[i], e.error[c] = ring_.corner_error[i];
+        e.max_error = std::max(e.max_error, e.error[c]);
     }
-    for (const Change& change : border_) {
-        Links& made = links_[leading_[change.from]];
-        made.next[1] = leading_[change.to];
-        made.next[2] = following_[change.from];
-    }
-    if (used < removed_.size()) remove_rest(used);
+    if (count < removed_count_) remove_rest(count);
+}
+
+// The function that is 0 along the side between a new cell and another site.
+void TriangleCells::set_row(std::size_t i, const Function& own, const Function& other) {
+    const double g = other.seed * own.f - other.f, gu = other.seed * own.du - other.du,
+                 gv = other.seed * own.dv - other.dv;
+    ring_.g[i] = g, ring_.gu[i] = gu, ring_.gv[i] = gv;
+    ring_.error[i] = 1.25 * (other.seed * own.error + other.error);
+    ring_.size[i] = std::max(std::abs(g), std::max(std::abs(gu), std::abs(gv)));
 }
 
 // Moves the last corners to places of removed ones, which are ascending.
 void TriangleCells::remove_rest(std::size_t used) {
-    for (std::size_t i = removed_.size(); i-- > used;) {
+    Envelope& e = envelope_;
+    const std::size_t end = e.count;
+    for (std::size_t i = removed_count_; i-- > used;) {
         const std::uint32_t to = removed_[i];
-        const auto from = static_cast<std::uint32_t>(--count_);
-        is_removed_[to] = 0;
+        const auto from = static_cast<std::uint32_t>(--e.count);
         if (to == from) continue;
-        u_[to] = u_[from], v_[to] = v_[from], value_[to] = value_[from];
-        square_[to] = square_[from], error_[to] = error_[from];
-        links_[to] = links_[from];
-        for (const std::uint32_t next : links_[to].next)
-            if (next != none) std::ranges::replace(links_[next].next, from, to);
+        for (double* const of : {e.u, e.v, e.value, e.square, e.error}) of[to] = of[from];
+        corners_[to] = corners_[from];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t twin = corners_[to].twin[k];
+            corners_[twin >> 2].twin[twin & 3] = 4 * to + k;
+        }
     }
+    clear_corners(e.count, end);
 }
 
-// Finds the largest distance of a corner.
+// Finds how far seeds may be that cut.
 void TriangleCells::find_reach() {
-    const std::size_t end = padded();
-    for (std::size_t c = count_; c < end; ++c) {
-        u_[c] = v_[c] = square_[c] = 0;
-        value_[c] = -infinity;
-    }
-    std::array<double, lanes> square{};
-    for (std::size_t c = 0; c < end; c += lanes)
-        for (std::size_t j = 0; j < lanes; ++j) square[j] = square_[c + j] > square[j] ? square_[c + j] : square[j];
-    const double largest = std::max(std::max(square[0], square[1]), std::max(square[2], square[3]));
+    const Envelope& e = envelope_;
     const double radius =
-        std::sqrt(largest + 2 * value_errors * max_value_error_) * (1 + 0x1p-40) + 4 * max_error_ * length_;
-    reach_ = radius * radius * (1 + 0x1p-40);
+        std::sqrt(kernels_.largest_square(e) + 2 * Envelope::value_errors * e.max_value_error) * (1 + 0x1p-40) +
+        4 * e.max_error * frame_.length;
+    envelope_.reach = radius * radius * (1 + 0x1p-40);
 }
 
 // Returns whether no seed in a box cuts, if the box is small beside the distance of corners: none of the balls around
 // them through their seeds meets it. For larger boxes that is rare.
-bool TriangleCells::is_beyond_balls(const SeedTree::Node& node) const {
-    const Vector3 size = minus(node.upper, node.lower);
-    if (seeds_.empty() || 16 * dot(size, size) > reach_) return false;
-    const Vector3 lower = minus(node.lower, center_), upper = minus(node.upper, center_);
-    for (std::size_t c = 0; c < count_; ++c) {
+bool TriangleCells::is_beyond_balls(const Box& box) const {
+    const Envelope& e = envelope_;
+    const Vector3 size = minus(box.upper, box.lower);
+    if (end_ == edges || 16 * dot(size, size) > e.reach) return false;
+    const Box relative{minus(box.lower, frame_.center), minus(box.upper, frame_.center)};
+    for (std::size_t c = 0; c < e.count; ++c) {
         Vector3 x;
-        for (std::size_t k = 0; k < 3; ++k) x[k] = first_[k] + (u_[c] * way_[0][k] + v_[c] * way_[1][k]);
+        for (std::size_t k = 0; k < 3; ++k)
+            x[k] = frame_.first[k] + (e.u[c] * frame_.way[0][k] + e.v[c] * frame_.way[1][k]);
         // (a + b)^2 is at most a^2 (1 + d) + b^2 (1 + 1 / d).
-        const double error = 4 * (error_[c] + 4 * unit) * length_;
+        const double error = 4 * (e.error[c] + 4 * solid::unit) * frame_.length;
         const double square =
-            (square_[c] + 2 * value_errors * max_value_error_) * (1 + 0x1p-40) + 0x1p41 * error * error;
-        if (SeedTree::square_between(lower, upper, x, x) <= square) return false;
+            (e.square[c] + 2 * Envelope::value_errors * e.max_value_error) * (1 + 0x1p-40) + 0x1p41 * error * error;
+        if (SeedTree::square_distance(relative, x) <= square) return false;
     }
     return true;
 }
 
-// Places a corner of the cell of a site, which the others follow as the triangle turns.
-void TriangleCells::set_corner(std::uint32_t corner, Site site, Site from, Site to) {
-    const Seed& own = of(site);
-    if (from < edges && to < edges) {  // a corner of the triangle
-        set_weights(corner, to == 1 ? 1 : 0, to == 2 ? 1 : 0, 0);
-    } else if (from < edges || to < edges) {
-        const Site edge = std::min(from, to);
-        const Seed& other = of(std::max(from, to));
-        const double f = own.f - other.f, a = own.d[0] - other.d[0], b = own.d[1] - other.d[1];
-        const double at_first = edge == 0 ? f : f + (edge == 1 ? a : b);
-        const double at_second = edge == 2 ? f : f + (edge == 0 ? a : b);
-        const double across = at_first - at_second, share = at_first / across;
-        const double error = 6 * (own.error + other.error), sure = std::abs(across) - error;
-        const double bound = sure > 0 ? 2 * error / sure + 4 * unit : infinity;
-        set_weights(corner,
-                    edge == 0   ? share
-                    : edge == 1 ? 1 - share
-                                : 0,
-                    edge == 1   ? share
-                    : edge == 2 ? 1 - share
-                                : 0,
-                    bound);
-    } else {
-        const Seed &p = of(from), &q = of(to);
-        const double g = own.f - p.f, gu = own.d[0] - p.d[0], gv = own.d[1] - p.d[1];
-        const double h = own.f - q.f, hu = own.d[0] - q.d[0], hv = own.d[1] - q.d[1];
-        const double g_size = std::max(std::abs(g), std::max(std::abs(gu), std::abs(gv)));
-        const double h_size = std::max(std::abs(h), std::max(std::abs(hu), std::abs(hv)));
-        const double g_error = 1.25 * (own.error + p.error), h_error = 1.25 * (own.error + q.error);
-        const double error = 2 * (g_size * h_error + h_size * g_error + g_error * h_error) + 4 * unit * g_size * h_size;
-        const double across = gu * hv - gv * hu, inverse = 1 / across, sure = std::abs(across) - error;
-        set_weights(corner, (gv * h - g * hv) * inverse, (g * hu - gu * h) * inverse,
-                    sure > 0 ? 2.1 * error / sure + 8 * unit : infinity);
-    }
-    const double u = u_[corner], v = v_[corner];
-    const double x = first_[0] + (u * way_[0][0] + v * way_[1][0]), y = first_[1] + (u * way_[0][1] + v * way_[1][1]),
-                 z = first_[2] + (u * way_[0][2] + v * way_[1][2]);
-    value_[corner] = own.f + (u * own.d[0] + v * own.d[1]);
-    square_[corner] = value_[corner] + (x * x + y * y + z * z);
-}
-
-void TriangleCells::set_weights(std::uint32_t corner, double u, double v, double error) {
-    if (!(error < 1)) u = v = 1.0 / 3, error = 1;  // somewhere in the triangle
-    u_[corner] = u, v_[corner] = v, error_[corner] = error;
-    max_error_ = std::max(max_error_, error);
-}
-
 void TriangleCells::settle(std::int32_t triangle, ClippedTriangle& exact) {
+    Envelope& e = envelope_;
+    if (ClippedTriangle::is_accurate(e.max_error, frame_.length, 0)) return;
     bool is_set = false;
-    for (std::uint32_t c = 0; c < count_; ++c) {
-        if (ClippedTriangle::is_accurate(error_[c], length_, std::sqrt(std::max(square_[c], 0.0)))) continue;
-        const auto& site = links_[c].site;
+    for (std::uint32_t c = 0; c < e.count; ++c) {
+        if (ClippedTriangle::is_accurate(e.error[c], frame_.length, std::sqrt(std::max(e.square[c], 0.0)))) continue;
+        const auto& site = corners_[c].site;
         const std::size_t k = site[0] >= edges ? 0 : site[1] >= edges ? 1 : 2;
         const auto side = [&](Site of) {
-            return of < edges ? -1 - static_cast<Side>(of) : static_cast<Side>(this->of(of).number);
+            return of < edges ? -1 - static_cast<Side>(of) : static_cast<Side>(functions_[of].number);
         };
         if (!is_set) exact.set_triangle(triangle);
         is_set = true;
-        const auto w = exact.corner(of(site[k]).number, side(site[(k + 1) % 3]), side(site[(k + 2) % 3]));
-        u_[c] = w[0], v_[c] = w[1];
+        const auto w = exact.corner(functions_[site[k]].number, side(site[(k + 1) % 3]), side(site[(k + 2) % 3]));
+        e.u[c] = w[0], e.v[c] = w[1];
     }
 }
 
+double TriangleCells::area(std::size_t part, double of_triangle) const {
+    const Envelope& e = envelope_;
+    const std::uint32_t first = parts_[part].second, origin = first >> 2;
+    std::uint32_t side = follow(first);
+    double area = 0, s = e.u[side >> 2] - e.u[origin], t = e.v[side >> 2] - e.v[origin];
+    for (side = follow(side); side != first; side = follow(side)) {
+        const double next_s = e.u[side >> 2] - e.u[origin], next_t = e.v[side >> 2] - e.v[origin];
+        area += of_triangle * (s * next_t - t * next_s);
+        s = next_s, t = next_t;
+    }
+    return std::max(area, 0.0);  // may be rounded to less
+}
+
 void TriangleCells::select(std::size_t part) {
-    const std::uint32_t first = parts_[part];
-    const Site site = sites_[part];
-    number_ = of(site).number;
+    const auto [site, first] = parts_[part];
+    number_ = functions_[site].number;
     size_ = 0;
-    for (std::uint32_t c = first;;) {
-        const Links& links = links_[c];
-        const std::size_t k = links.site[0] == site ? 0 : links.site[1] == site ? 1 : 2;
-        const Site beyond = links.site[k == 0 ? 2 : k - 1];
-        sides_[size_] = beyond < edges ? -1 - static_cast<Side>(beyond) : surface_.tree().seed(of(beyond).number);
-        weights_[size_++] = {u_[c], v_[c]};
-        c = links.next[k == 2 ? 0 : k + 1];
-        if (c == first) break;
+    for (std::uint32_t side = first;;) {
+        const std::uint32_t c = side >> 2;
+        const Site beyond = corners_[c].site[turn(side) & 3];
+        sides_[size_] =
+            beyond < edges ? -1 - static_cast<Side>(beyond) : surface_.tree().seed(functions_[beyond].number);
+        weights_[size_++] = {envelope_.u[c], envelope_.v[c]};
+        side = follow(side);
+        if (side == first) break;
     }
     for (std::size_t i = 0; i < 3; ++i) relative_[i] = minus(vertex_[i], surface_.tree().place(number_));
 }

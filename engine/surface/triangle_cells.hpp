@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "surface/clipped_triangle.hpp"
+#include "surface/kernels.hpp"
 #include "surface/surface.hpp"
 
 namespace votess::surface {
@@ -29,7 +30,12 @@ public:
     // Returns whether it found all parts, sooner if the last triangle is near. exact: rounds corners whose bounds are
     // large.
     [[nodiscard]] bool make(std::int32_t triangle, ClippedTriangle& exact);
-    [[nodiscard]] std::size_t parts() const { return parts_.size(); }
+    [[nodiscard]] std::size_t parts() const { return part_count_; }
+    [[nodiscard]] std::int32_t seed(std::size_t part) const {
+        return surface_.tree().seed(functions_[parts_[part].first].number);
+    }
+    // Returns the area of a part.
+    [[nodiscard]] double area(std::size_t part, double of_triangle) const;
     // Selects a part, for what follows.
     void select(std::size_t part);
     [[nodiscard]] std::int32_t seed() const { return surface_.tree().seed(number_); }
@@ -45,60 +51,64 @@ private:
     using Site = std::uint32_t;  // 0 to 2: edges of the triangle, each from its corner; then seeds
     static constexpr Site edges = 3;
     static constexpr std::uint32_t none = 0xffffffff;
-    static constexpr std::size_t max_seeds = 512, max_corners = 2 * max_seeds + 2, lanes = 4;
-    // At weights w of the second and third vertex the value is f + w[0] d[0] + w[1] d[1].
-    struct Seed {
-        double f;
-        std::array<double, 2> d;
-        double error;   // bound, of each
-        double change;  // |d[0]| + |d[1]|
-        std::uint32_t number;
+    static constexpr std::size_t max_seeds = Envelope::max_seeds, max_corners = 2 * max_seeds + 2;
+    // At weights (u, v) of the second and third vertex the value of a seed is f + u du + v dv. The function of an edge
+    // is 0 along it.
+    struct Function {
+        double f, du, dv;
+        double error;  // bound, of each
+        double seed;   // 1 for a seed, 0 for an edge
+        std::uint32_t number = none;
     };
-    struct Links {
-        std::array<Site, 3> site;           // around the corner, as the triangle turns
-        std::array<std::uint32_t, 3> next;  // the corner at the other end of the side between the other two sites
+    // A side at a corner has a number: 4 times the corner, and k if it lies between the other two sites than site k.
+    struct Corner {
+        std::array<Site, 4> site;           // three, around the corner as the triangle turns
+        std::array<std::uint32_t, 4> twin;  // of side k: its number at the corner where it ends
     };
-    struct Change {
-        Site from, to;
-        std::uint32_t corner;  // beyond the side between them
-        std::size_t back;      // its link here
-    };
-    void begin(std::uint32_t number);
-    [[nodiscard]] Seed function_of(std::uint32_t number) const;
-    [[nodiscard]] const Seed& of(Site site) const { return seeds_[site - edges]; }
-    void add(std::uint32_t number);
-    [[nodiscard]] bool find_removed(const Seed& seed);
-    void join(Site site);
+    // Returns the side of a corner that follows another.
+    [[nodiscard]] static std::uint32_t turn(std::uint32_t side) { return side + ((side & 3) == 2 ? -2U : 1U); }
+    // Returns the side that follows another along the cell of site k + 2.
+    [[nodiscard]] std::uint32_t follow(std::uint32_t side) const {
+        return turn(turn(corners_[side >> 2].twin[side & 3]));
+    }
+    static constexpr std::uint32_t outside = Envelope::room & ~std::uint32_t{group - 1};  // stands for no corner
+    [[nodiscard]] bool is_removed(std::uint32_t corner) const {
+        return (marks_[corner / group] >> (corner % group) & 1) != 0;
+    }
+    void add_group(std::uint32_t first);
+    void begin(std::size_t k, std::uint32_t number);
+    void add(std::size_t k, std::uint32_t number);
+    [[nodiscard]] std::uint32_t find_border() const;
+    void join(const Function& own, Site site);
+    void set_row(std::size_t i, const Function& own, const Function& other);
     void remove_rest(std::size_t used);
+    void clear_corners(std::size_t from, std::size_t end);
     void find_reach();
-    [[nodiscard]] bool is_beyond_balls(const SeedTree::Node& node) const;
-    void set_corner(std::uint32_t corner, Site site, Site from, Site to);
-    void set_weights(std::uint32_t corner, double u, double v, double error);
+    [[nodiscard]] bool is_beyond_balls(const Box& box) const;
     void settle(std::int32_t triangle, ClippedTriangle& exact);
-    [[nodiscard]] std::size_t padded() const { return (count_ + lanes - 1) / lanes * lanes; }
 
     const Surface& surface_;
+    const SurfaceKernels& kernels_;
     std::array<exact::Point, 3> vertex_{};
-    exact::Point center_{}, lower_{}, upper_{};  // of the triangle
-    Vector3 first_{};                            // the first vertex, relative to the center
-    std::array<Vector3, 2> way_{};               // from there to the others
-    double length_ = 0;                          // a bound on all three
-    std::vector<Seed> seeds_;
-    std::size_t count_ = 0;  // corners
-    // By corner. Errors are bounds.
-    std::array<double, max_corners + lanes> u_, v_, value_, square_, error_, difference_;
-    std::array<Links, max_corners> links_;
-    std::array<std::uint8_t, max_corners> is_removed_{};
-    std::vector<std::uint32_t> removed_;
-    std::vector<Change> border_;
-    std::array<std::uint32_t, max_seeds + edges> leading_, following_;  // new corners, by the site after and before
-    double max_error_ = 0, max_value_error_ = 0, max_change_ = 0;       // of all so far
-    double reach_ = 0;  // square of the distance up to which seeds may cut
+    TriangleFrame frame_{};
+    SeedFunctions group_{};
+    std::array<Function, max_seeds + edges> functions_;  // by site
+    Site end_ = edges;                                   // of the sites
+    Envelope envelope_{};
+    std::array<Corner, outside + 1> corners_;
+    std::array<std::uint8_t, outside / group + 1> marks_{};  // bits of corners that a seed removes
+    std::array<std::uint32_t, max_corners> removed_;
+    std::size_t removed_count_ = 0;
+    Ring ring_{};
+    std::array<Site, Ring::room> ring_sites_;
+    std::array<std::uint32_t, Ring::room> beyond_;  // by corner of the ring: the side that leads to it from outside
+    std::array<std::uint32_t, Ring::room> made_;    // the same corners
     bool is_sure_ = true;
-    std::uint32_t hint_ = none;         // a seed of the last triangle
-    std::vector<std::uint32_t> parts_;  // a corner of each
-    std::vector<Site> sites_;           // of these
-    std::array<std::uint32_t, max_seeds + edges> corner_of_site_;
+    std::uint32_t hint_ = none;  // a seed of the last triangle
+    // Parts: the site, and a side along its cell.
+    std::array<std::pair<Site, std::uint32_t>, max_seeds> parts_;
+    std::size_t part_count_ = 0;
+    std::array<std::uint32_t, max_seeds + edges> side_of_site_;
 
     std::uint32_t number_ = 0;
     std::size_t size_ = 0;

@@ -143,7 +143,7 @@ struct VOTESS_API SurfaceRelaxation {
                                                             std::uint64_t rng_seed = 1);
 
 struct RemeshOptions {
-    unsigned steps = 30;  // of the relaxation
+    unsigned steps = 16;  // of the relaxation
     // Degrees, above 0: an edge at which the surface turns by more is sharp, and a sharp edge has a corner where it
     // turns by more. 180: keep borders alone.
     double sharp = 40;
@@ -173,16 +173,16 @@ struct VOTESS_API Remesh {
 };
 
 // Returns a mesh of well-shaped triangles with about `count` vertices: exactly so many, unless parts of the surface are
-// thinner than the triangles are long, or it has more corners. Random places are relaxed by lloyd_on_surface(), and
-// joined by the dual of connected parts. Seeds whose cells hold a stretch of a border or of a sharp edge move along it,
-// and one goes to each of their corners. Where the triangles would miss a corner or a border, as in a sharp tip, seeds
-// are added there. So the mesh ends where the surface does. Sharp edges closer to each other than the triangles are
-// long may share vertices. Where cells fall into several parts, fewer seeds make the same number of vertices. Where the
-// mesh would differ from the surface, as around thin bars, seeds are added; in all at most `count`. Parts that still do
-// not fit together are split, into at most 4 `count` more, each with a vertex of its own: so the mesh is closed, and
-// has the handles of the surface, where that is a manifold. `faults` has what is left. Flat triangles are mended by
-// flips of their longest edge. The same on any number of threads. Throws as surface_cells(); and invalid_argument for a
-// count of 0 or of more than 2^28, and for a bad angle.
+// thinner than the triangles are long, or it has more corners. Random places are relaxed as by lloyd_on_surface(), with
+// longer steps, and joined by the dual of connected parts. Seeds whose cells hold a stretch of a border or of a sharp
+// edge move along it, and one goes to each of their corners. Where the triangles would miss a corner or a border, as in
+// a sharp tip, seeds are added there. So the mesh ends where the surface does. Sharp edges closer to each other than
+// the triangles are long may share vertices. Where cells fall into several parts, fewer seeds make the same number of
+// vertices. Where the mesh would differ from the surface, as around thin bars, seeds are added; in all at most `count`.
+// Parts that still do not fit together are split, into at most 4 `count` more, each with a vertex of its own: so the
+// mesh is closed, and has the handles of the surface, where that is a manifold. `faults` has what is left. Flat
+// triangles are mended by flips of their longest edge. The same on any number of threads. Throws as surface_cells();
+// and invalid_argument for a count of 0 or of more than 2^28, and for a bad angle.
 [[nodiscard]] VOTESS_API Remesh remesh(const TriangleMesh& surface, std::size_t count,
                                        const RemeshOptions& options = {});
 

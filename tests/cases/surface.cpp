@@ -11,6 +11,8 @@
 #include <set>
 #include <utility>
 
+#include "polytope/cell_kernels.hpp"
+
 namespace {
 
 struct Given {
@@ -111,6 +113,21 @@ TEST_CASE("surface: the dual of cells on a sphere is a closed mesh, on any numbe
               0);
     }
     for (const auto& [from, to] : edges) CHECK(edges.count({to, from}) == 1);
+}
+
+TEST_CASE("surface: all vector instructions give equal digits") {
+    const Given surface = sphere(12);
+    const auto points = places_on_sphere(3000, 2);
+    const auto kernels = votess::cpu::supported_kernels();
+    const votess::SurfaceCells best = cells_of(points, surface);
+    for (const votess::cpu::Kernels* const other : kernels) {
+        votess::cpu::set_best_kernels(*other);
+        const votess::SurfaceCells cells = cells_of(points, surface);
+        CHECK(cells.areas == best.areas);
+        CHECK(cells.vertices == best.vertices);
+        CHECK(cells.lengths == best.lengths);
+    }
+    votess::cpu::set_best_kernels(*kernels.front());
 }
 
 TEST_CASE("surface: ties go to the lowest seed, and polygons share corners") {

@@ -314,7 +314,7 @@ def remesh(
     triangles: npt.ArrayLike,
     n: int,
     *,
-    steps: int = 30,
+    steps: int = 16,
     sharp: float = 40.0,
     rng_seed: int = 1,
     merge: bool = False,
@@ -324,15 +324,15 @@ def remesh(
     """Returns a mesh of well-shaped triangles with about ``n`` vertices for a surface.
 
     It has exactly ``n``, unless parts of the surface are thinner than the triangles are long, or it has more corners. Random
-    places are spread by area, relaxed by Lloyd's method on the surface, and joined by the dual of connected parts. Seeds whose
-    cells hold a stretch of a border or of a sharp edge move along it, and one seed goes to each of their corners. Seeds are
-    added at corners and borders that the triangles would miss, as in sharp tips. So the mesh ends where the surface does. Where
-    cells fall into several parts, as on both sides of a thin plate, fewer seeds make the same number of vertices. Where the
-    mesh would differ from the surface, as around thin bars, seeds are added, at most ``n`` in all. Parts that still do not fit
-    together are split, into at most ``4 n`` more, each with a vertex of its own: so the mesh is closed, and has the handles of
-    the surface, where that is a manifold. ``faults`` lists the seeds where that did not help. Flat triangles are mended by
-    flips of their longest edge. Sharp edges nearer to each other than the triangles are long may share vertices: ``distance``
-    tells.
+    places are spread by area, relaxed on the surface by steps that go further than those of Lloyd's method, and joined by the
+    dual of connected parts. Seeds whose cells hold a stretch of a border or of a sharp edge move along it, and one seed goes
+    to each of their corners. Seeds are added at corners and borders that the triangles would miss, as in sharp tips. So the
+    mesh ends where the surface does. Where cells fall into several parts, as on both sides of a thin plate, fewer seeds make
+    the same number of vertices. Where the mesh would differ from the surface, as around thin bars, seeds are added, at most
+    ``n`` in all. Parts that still do not fit together are split, into at most ``4 n`` more, each with a vertex of its own: so
+    the mesh is closed, and has the handles of the surface, where that is a manifold. ``faults`` lists the seeds where that
+    did not help. Flat triangles are mended by flips of their longest edge. Sharp edges nearer to each other than the
+    triangles are long may share vertices: ``distance`` tells.
 
     Parameters
     ----------
