@@ -1003,9 +1003,10 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
 template <class Isa>
 void StarWalk<Isa>::clear_planes() {
     std::uint16_t* const slots = slot_.data();
+    const std::uint16_t none = none_;
 #pragma GCC unroll 4
-    for (int p = 0; p < planes_; ++p) slots[local_[p]] = no_slot;
-    constexpr int step = 4;  // vectors
+    for (int p = 0; p < planes_; ++p) slots[local_[p]] = none;
+    constexpr int step = 8;  // vectors
     for (int p = 0; p < planes_; p += step)
         for (int k = p; k < p + step; ++k) out_[k] = in_[k] = 0;
     planes_ = 0;
