@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <numeric>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
@@ -12,10 +12,12 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t chunk_seeds = 1024;  // consecutive, so near each other
-constexpr std::size_t task_chunks = 32;
-constexpr std::size_t sample_step = 32;     // seeds of a chunk that show whether it has buried ones
-constexpr std::size_t owners = 32;          // the heaviest of a chunk, which may bury the others
+constexpr std::size_t chunk_seeds = 512;  // consecutive, so near each other
+constexpr std::size_t task_chunks = 64;
+constexpr std::size_t sample_step = 16;  // seeds of a chunk that show whether it has buried ones
+// The heaviest of a chunk, which may bury the others; four times as many in each further pass, which follows one that
+// has removed most seeds.
+constexpr std::size_t few_owners = 32;
 constexpr double half_slack = 1 + 1e-6;     // as of covering radii
 constexpr double place_rounding = 0x1p-50;  // of the largest coordinate, for both places of a difference
 constexpr double rounding = 0x1p-48;        // of a sum, in its terms
@@ -49,25 +51,24 @@ public:
     // With q = p + n that is 2 n.x <= |n|^2 + w_p - w_q. An error r of n changes it by at most r (2 |n| + 2 |x| + r)
     // along an axis.
     bool cut_by(const Seed& owner) {
-        double bound = seed_.weight - owner.weight + slack_, size = std::abs(owner.weight), sum = 0;
-        std::array<double, 3> n, least;  // of 2 n.x along each axis
+        double left = seed_.weight - owner.weight + slack_, size = std::abs(owner.weight), widest = 0;
+        std::array<double, 3> n;
         for (std::size_t k = 0; k < 3; ++k) {
             n[k] = owner.x[k] - seed_.x[k];
             const double square = n[k] * n[k], length = std::abs(n[k]);
-            bound += square + error_ * length;
+            left += square - 2 * std::min(n[k] * lower_[k], n[k] * upper_[k]) + error_ * length;
             size += square + 2 * length * side_[k];
-            least[k] = 2 * std::min(n[k] * lower_[k], n[k] * upper_[k]);
-            sum += least[k];
+            widest = std::max(widest, 2 * length * (upper_[k] - lower_[k]));
         }
-        bound += rounding * size;
-        bool empty = bound < sum;
+        left += rounding * size;  // by so much 2 n.x is at most above its least in the box
+        if (!(left < widest)) return false;
+        bool empty = left < 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (n[k] == 0) continue;
-            const double at = (bound - (sum - least[k])) / (2 * n[k]), slack = rounding * std::abs(at);
+            const double slack = rounding * side_[k];
             if (n[k] > 0)
-                upper_[k] = std::min(upper_[k], at + slack);
-            else
-                lower_[k] = std::max(lower_[k], at - slack);
+                upper_[k] = std::min(upper_[k], lower_[k] + left / (2 * n[k]) + slack);
+            else if (n[k] < 0)
+                lower_[k] = std::max(lower_[k], upper_[k] + left / (2 * n[k]) - slack);
             empty |= lower_[k] > upper_[k];
         }
         return empty;
@@ -80,15 +81,12 @@ private:
     double error_ = 0, slack_ = 0;
 };
 
-}  // namespace
-
-void drop_buried(const Domain& domain, ThreadPool& pool, SortedSeeds& seeds, std::vector<std::int32_t>& buried) {
-    if (domain.has_cell_walls()) return;
+// Returns the sorted seeds that some of the heaviest of their chunk bury, by chunk. owners: how many of these are
+// tried.
+std::vector<std::vector<std::size_t>> find_buried(const Domain& domain, ThreadPool& pool, const SortedSeeds& seeds,
+                                                  std::size_t owners) {
     const std::size_t count = seeds.size(), chunks = ceil_div(count, chunk_seeds);
-    const auto seed_at = [&](std::size_t s) {
-        return Seed{{seeds.x[s], seeds.y[s], seeds.z[s]}, domain.weights[static_cast<std::size_t>(seeds.input[s])]};
-    };
-    std::vector<std::vector<std::int32_t>> found(chunks);  // sorted seeds
+    std::vector<std::vector<std::size_t>> found(chunks);
     pool.run(ceil_div(chunks, task_chunks), [&](std::size_t task, unsigned) {
         CellBounds bounds(domain);
         std::vector<Seed> near, heaviest;
@@ -96,47 +94,64 @@ void drop_buried(const Domain& domain, ThreadPool& pool, SortedSeeds& seeds, std
             check_stop();
             const std::size_t begin = c * chunk_seeds, end = std::min(count, begin + chunk_seeds);
             near.clear();
-            for (std::size_t s = begin; s < end; ++s) near.push_back(seed_at(s));
-            const auto heavier = [](const Seed& a, const Seed& b) { return a.weight > b.weight; };
-            heaviest.assign(1, *std::ranges::min_element(near, heavier));
             double size = 0;
-            for (const Seed& seed : near)
-                for (const double x : seed.x) size = std::max(size, std::abs(x));
+            for (std::size_t s = begin; s < end; ++s) {
+                near.push_back(
+                    {{seeds.x[s], seeds.y[s], seeds.z[s]}, domain.weights[static_cast<std::size_t>(seeds.input[s])]});
+                for (const double x : near.back().x) size = std::max(size, std::abs(x));
+            }
+            const auto take_heaviest = [&](std::size_t most) {
+                heaviest.resize(std::min(most, near.size()));
+                std::ranges::partial_sort_copy(near, heaviest, std::ranges::greater(), &Seed::weight, &Seed::weight);
+            };
             const auto is_buried = [&](const Seed& seed) {
                 bounds.set_seed(seed, size);
                 return std::ranges::any_of(heaviest, [&](const Seed& owner) { return bounds.cut_by(owner); });
             };
+            take_heaviest(owners == few_owners ? 1 : owners);  // enough to show where none are buried
             bool any = false;
             for (std::size_t k = 0; k < near.size() && !any; k += sample_step) any = is_buried(near[k]);
             if (!any) continue;
-            heaviest.resize(std::min(owners, near.size()));
-            std::ranges::partial_sort_copy(near, heaviest, heavier);
+            take_heaviest(owners);
             for (std::size_t k = 0; k < near.size(); ++k)
-                if (is_buried(near[k])) found[c].push_back(static_cast<std::int32_t>(begin + k));
+                if (is_buried(near[k])) found[c].push_back(begin + k);
         }
     });
-    const std::size_t dropped =
-        std::accumulate(found.begin(), found.end(), std::size_t{0}, [](auto n, const auto& f) { return n + f.size(); });
-    if (dropped == 0) return;
-    buried.reserve(buried.size() + dropped);
-    std::size_t kept = 0;
-    for (std::size_t c = 0; c < chunks; ++c) {
-        auto next = found[c].begin();
-        for (std::size_t s = c * chunk_seeds; s < std::min(count, (c + 1) * chunk_seeds); ++s) {
-            if (next != found[c].end() && static_cast<std::size_t>(*next) == s) {
-                buried.push_back(seeds.input[s]);
-                ++next;
-                continue;
-            }
-            seeds.input[kept] = seeds.input[s];
-            for (auto* axis : {&seeds.x, &seeds.y, &seeds.z}) (*axis)[kept] = (*axis)[s];
-            ++kept;
+    return found;
+}
+
+// Moves the input indices of seeds to `buried`.
+void remove(const std::vector<std::vector<std::size_t>>& found, SortedSeeds& seeds, std::vector<std::int32_t>& buried) {
+    std::size_t kept = 0, next = 0;  // of the seeds up to `next`
+    const auto keep_until = [&](std::size_t end) {
+        for (; next < end; ++next, ++kept) {
+            if (kept == next) continue;
+            seeds.input[kept] = seeds.input[next];
+            for (auto* axis : {&seeds.x, &seeds.y, &seeds.z}) (*axis)[kept] = (*axis)[next];
         }
-    }
+    };
+    for (const auto& chunk : found)
+        for (const std::size_t s : chunk) {
+            keep_until(s);
+            buried.push_back(seeds.input[next++]);
+        }
+    if (next == 0) return;
+    keep_until(seeds.size());
     seeds.input.resize_uninitialized(kept);
     for (auto* axis : {&seeds.x, &seeds.y, &seeds.z}) {
         axis->resize_uninitialized(round_up(kept, group_size));
         std::fill(axis->begin() + kept, axis->end(), std::numeric_limits<double>::infinity());
+    }
+}
+
+}  // namespace
+
+void drop_buried(const Domain& domain, ThreadPool& pool, SortedSeeds& seeds, std::vector<std::int32_t>& buried) {
+    if (domain.has_cell_walls()) return;
+    for (std::size_t owners = few_owners;; owners *= 4) {
+        const std::size_t count = seeds.size();
+        remove(find_buried(domain, pool, seeds, owners), seeds, buried);
+        if (2 * seeds.size() > count || owners == chunk_seeds) return;
     }
 }
 

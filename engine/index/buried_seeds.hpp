@@ -1,6 +1,6 @@
-// Seeds of a power diagram that have no cell since one heavier seed nearby has less power wherever their cells may be.
-// Where weights differ by more than the square of the spacing these are most seeds. Without them windows, images and
-// searches hold few seeds that matter.
+// Seeds of a power diagram that have no cell since heavier ones nearby have less power wherever their cells may be.
+// Where weights differ by far more than the square of the spacing these are most seeds. Without them windows, images
+// and searches hold few seeds that do not matter.
 #pragma once
 
 #include <cstdint>
