@@ -6,6 +6,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/text.hpp"
+#include "index/buried_seeds.hpp"
 #include "input/settle.hpp"
 #include "input/settled.hpp"
 #include "walk/star_bounds.hpp"
@@ -64,18 +65,26 @@ void CpuClipper::lend_seeds(ResultBuilder& out) {
     hierarchy_.for_memory([&](std::span<std::byte> memory) { out.lend(memory); });
 }
 
-void CpuClipper::sort(std::span<const std::int32_t> order) {
+void CpuClipper::sort(std::span<const std::int32_t> order, Keep keep) {
     seeds_.images = nullptr;
+    seeds_.weights.clear();
+    buried_.clear();
     searchable_ = positions_known_ = false;
     delaunay_.reset();
     unwrapped_.reset();
+    const auto bury = [&] {
+        bury_lighter();
+        if (keep == Keep::unburied && job_.domain->has_weights() && job_.beyond.empty())
+            drop_buried(*job_.domain, *pool_, seeds_, buried_);
+    };
     if (job_.domain->is_periodic())
-        images_.sort(job_, order, sorter_, *pool_, seeds_);
+        images_.sort(job_, order, sorter_, *pool_, seeds_, bury);
     else if (!order.empty())
         put_in_order(job_.points, job_.scale, order, *pool_, seeds_);
     else
         sort_inside(job_.points, job_.scale, job_.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
-    gather_weights();
+    if (!job_.domain->is_periodic()) bury();
+    weigh_places();
     gather_beyond();
     row_places_.resize_uninitialized(job_.row_order.empty() ? 0 : seeds_.size());
     for (std::size_t s = 0; s < row_places_.size(); ++s)
@@ -93,9 +102,7 @@ void CpuClipper::sort(std::span<const std::int32_t> order) {
 
 // The heaviest seed of a place has the cell, the first of equal ones. Lighter ones have no cell, equal ones are its
 // duplicates.
-void CpuClipper::gather_weights() {
-    seeds_.weights.clear();
-    buried_.clear();
+void CpuClipper::bury_lighter() {
     const auto& weights = job_.domain->weights;
     if (weights.empty()) return;
     auto& duplicate_of = seeds_.duplicate_of;
@@ -127,7 +134,6 @@ void CpuClipper::gather_weights() {
         }
         if (seeds_.duplicates == 0) duplicate_of.clear();
     }
-    weigh_places();
 }
 
 void CpuClipper::weigh_places() {

@@ -45,8 +45,10 @@ public:
     [[nodiscard]] const SortedSeeds& seeds() const { return seeds_; }
     [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
 
+    // Which seeds of a power diagram sort() keeps: all, or none that are surely buried.
+    enum class Keep { all, unburied };
     // The stages of a full run, in this order. order: of an earlier sort of all seeds, to be used again, or none.
-    void sort(std::span<const std::int32_t> order = {});
+    void sort(std::span<const std::int32_t> order = {}, Keep keep = Keep::all);
     void build_search();
     void clip_all(ResultBuilder& out, const Share& share);
     // Stores the following cells of clip_all() and clip_kept(); null: no more.
@@ -96,7 +98,7 @@ private:
 
     // For jobs that are not full runs.
     void ensure_sorted();
-    void gather_weights();
+    void bury_lighter();
     void weigh_places();
     void gather_beyond();
     void begin_workers(ResultBuilder& out);

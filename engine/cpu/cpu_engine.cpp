@@ -49,7 +49,7 @@ bool CpuEngine::clip_kept(const Job& job, StageClock& clock) {
 void CpuEngine::clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock) {
     using Plan = KeptCells::Plan;
     clock.enter(&StageSeconds::sort);
-    clipper_.sort();
+    clipper_.sort({}, job.follow ? CpuClipper::Keep::all : CpuClipper::Keep::unburied);
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
     lend(job);                        // before the search structure takes more memory

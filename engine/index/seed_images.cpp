@@ -22,7 +22,7 @@ constexpr double fraction_slack = 1e-9;
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 constexpr double max_wide_images_per_seed = 64, max_wide_images = 0x1p22;
 constexpr double least_widening = 1.25;  // less is not worth another sort
-constexpr double max_images_beside = 4;  // for cells beside their seeds
+constexpr double max_images_beside = 2;  // for cells beside their seeds
 
 // Returns an estimate of the distance of cells from their seeds: half of the slope of the weights, from a sample of
 // pairs of consecutive seeds.
@@ -383,7 +383,7 @@ void SeedImages::for_images(const exact::Point& x, Visit visit) const {
 }
 
 void SeedImages::sort(const Job& job, std::span<const std::int32_t> order, SeedSorter& sorter, ThreadPool& pool,
-                      SortedSeeds& out) {
+                      SortedSeeds& out, const std::function<void()>& drop) {
     domain_ = job.domain;
     points_ = job.points;
     scale_ = job.scale;
@@ -404,6 +404,7 @@ void SeedImages::sort(const Job& job, std::span<const std::int32_t> order, SeedS
     } else {
         put_in_order(positions, scale, order, pool, out);
     }
+    if (drop) drop();
     if (!moves_.empty()) {
         Buffer<exact::Shift> moves;
         moves.resize_uninitialized(out.size());

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -24,9 +25,9 @@ double mean_spacing(const std::array<double, 3>& sides, double count);
 class SeedImages {
 public:
     // Wraps and sorts the seeds of the job, then adds their images. order: of an earlier sort, see put_in_order(), or
-    // none.
+    // none. drop: called in between, if not empty; may remove seeds.
     void sort(const Job& job, std::span<const std::int32_t> order, SeedSorter& sorter, ThreadPool& pool,
-              SortedSeeds& out);
+              SortedSeeds& out, const std::function<void()>& drop = {});
     // Replaces the images by those of a margin as wide as cells may need, once after a sort, if that are at most so
     // many. Seeds keep their ids. Returns false if it changed nothing.
     bool widen(double most, ThreadPool& pool, SortedSeeds& out);

@@ -450,6 +450,7 @@ private:
     std::array<double, max_planes> h_{}, square_{};
     std::array<Facing, max_planes> facing_{};
     std::vector<std::uint16_t> slot_;  // by local id
+    std::uint16_t none_ = no_slot;     // not a constant, which would take two instructions to store
 
     std::vector<std::int32_t> tied_;  // ids of the planes through the examined vertex
     std::vector<std::int32_t> tied_cells_;

@@ -910,10 +910,20 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, const Four& ver
         return true;
     };
     // A large ball may hold very many seeds. Those near its center cut off nearly as much of the edge as all together.
-    for (std::uint32_t last = no_group; 4 * length2 > far_share * covered_;) {
-        const std::uint32_t group = group_near(x, last);
-        if (group == std::exchange(last, group)) break;
-        if (!visit({&last, 1})) return room;
+    // Mostly it holds none.
+    if (4 * length2 > far_share * covered_) {
+        bool any = false;
+        search_ball(ball, [&](std::span<const std::uint32_t> groups) {
+            Found found[max_found];
+            any = leave_out(three, find_all_inside(groups, test, found), found) > 0;
+            return !any;
+        });
+        if (!any) return true;
+        for (std::uint32_t last = no_group;;) {
+            const std::uint32_t group = group_near(x, last);
+            if (group == std::exchange(last, group)) break;
+            if (!visit({&last, 1})) return room;
+        }
     }
     search_ball(ball, visit);
     return room;
@@ -992,10 +1002,13 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
 
 template <class Isa>
 void StarWalk<Isa>::clear_planes() {
-    for (int p = 0; p < planes_; ++p) {
-        slot_[static_cast<std::size_t>(local_[p])] = no_slot;
-        out_[p] = in_[p] = 0;
-    }
+    std::uint16_t* const slots = slot_.data();
+    const std::uint16_t none = none_;
+#pragma GCC unroll 4
+    for (int p = 0; p < planes_; ++p) slots[local_[p]] = none;
+    constexpr int step = 8;  // vectors
+    for (int p = 0; p < planes_; p += step)
+        for (int k = p; k < p + step; ++k) out_[k] = in_[k] = 0;
     planes_ = 0;
 }
 
@@ -1014,8 +1027,11 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     }
     const bool done = build_cell<false>();
     if (done) cells_.set_done(seed);
-    if (have_candidates_ && !done) window_.show(seed, own_x_, own_weight_);
-    if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
+    if (have_candidates_) {  // it is hidden
+        if (!done) window_.show(seed, own_x_, own_weight_);
+    } else if (done && window_open_ && window_home_ == seed / Window::home_seeds) {
+        window_.hide(seed);
+    }
     return done;
 }
 

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include "cpu/cell_builder.hpp"
+#include "cpu/cpu_clipper.hpp"
 #include "index/hierarchy.hpp"
 #include "index/sort.hpp"
 #include "input/settle.hpp"
@@ -100,6 +102,42 @@ TEST_SUITE("stages") {
         });
         CHECK(static_cast<double>(tied.empty) > 0.9 * static_cast<double>(count));
         CHECK(tied.mean < 400);
+    }
+
+    TEST_CASE("hidden cells: seeds that are dropped after the sort have no cell") {
+        using votess::cpu::CpuClipper;
+        const std::size_t count = test::by_size(4000, 2000);
+        for (const std::string_view domain : {"box", "slab", "periodic", "wrapped", "triclinic", "skewed"}) {
+            CAPTURE(domain);
+            test::Coordinates points = uniform(count);
+            test::Random random(7);
+            votess::Options options;
+            options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+            options.periodic = std::array{domain != "box" && domain != "slab", domain != "box", domain != "box"};
+            if (domain == "wrapped")
+                for (double& x : points) x += static_cast<double>(random.below(7)) - 3;
+            if (domain == "triclinic" || domain == "skewed") {
+                const double skew = domain == "skewed" ? 20 : 0.4;
+                options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {skew, 1, 0}, {-0.3, 0.2, 1}};
+                options.box.reset();
+                options.periodic = {};
+            }
+            std::vector<double> weights(count);
+            for (double& weight : weights) weight = 2 * random.uniform();
+            options.weights = weights;
+            const votess::Job job = votess::make_job(votess::settle({points, {}}, options));
+            CpuClipper all, few;
+            for (CpuClipper* clipper : {&all, &few}) clipper->begin(job);
+            all.prepare();
+            few.sort({}, CpuClipper::Keep::unburied);
+            std::vector<bool> is_kept(count);
+            for (const std::int32_t i : few.seeds().input) is_kept[static_cast<std::size_t>(i)] = true;
+            CHECK(few.seeds().size() < count / 2);
+            votess::cpu::CellBuilder builder(all.seeds(), all.hierarchy());
+            builder.begin_job(*job.domain);
+            for (std::size_t s = 0; s < count; ++s)
+                CHECK((is_kept[static_cast<std::size_t>(all.seeds().input[s])] || builder.build(s).empty()));
+        }
     }
 
     TEST_CASE("long cells: seeds on a line do not test all others") {
