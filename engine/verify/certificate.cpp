@@ -5,8 +5,10 @@
 #include <cmath>
 #include <string>
 
+#include "core/at.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "index/sort.hpp"
 #include "result/arrays.hpp"
 
 namespace votess {
@@ -15,9 +17,10 @@ namespace {
 using Name = RowPolytope::Name;
 using Shape = RowPolytope::Shape;
 
-constexpr std::size_t cells_at_once = 256;
+constexpr std::size_t cells_at_once = 256, cells_of_block = std::size_t{1} << 16;
 constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
+constexpr std::size_t max_near_walls = 12;
 constexpr std::size_t max_tried_places = 64;
 
 std::string text_of(const Name& name) {
@@ -121,13 +124,10 @@ void Certificate::for_cells(const Task& task) {
 
 Certificate::Verdict Certificate::prove() {
     for (auto& w : workers_) w->sums.assign(buckets, 0);
-    for_cells<Prefetch::all>([&](Worker& w, std::size_t i) {
-        if (!has_right_side(w, i)) return;
-        if (result_.status[i] == CellStatus::certified)
-            check_cell(w, i);
-        else
-            check_other(w, i);
+    for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
+        if (has_right_side(w, i) && result_.status[i] != CellStatus::certified) check_other(w, i);
     });
+    check_cells();
     Worker sum(planes_);
     sum.areas.begin(0);
     open_names_.assign(buckets, 0);
@@ -162,6 +162,46 @@ Certificate::Verdict Certificate::prove() {
     verdict.fault = std::move(sum.fault);
     verdict.unsettled = std::move(sum.unsettled);
     return verdict;
+}
+
+// Returns the live seeds, those that are near in space near each other.
+std::vector<std::int32_t> Certificate::order_in_space() {
+    cpu::SortedSeeds sorted;
+    cpu::SeedSorter sorter;
+    cpu::sort_inside(job_.points, job_.scale, 0, job_.outside, sorter, pool_, sorted);
+    std::vector<std::int32_t> order;
+    std::vector<bool> waits(result_.status.size());
+    std::size_t live = 0;
+    for (std::size_t i = 0; i < waits.size(); ++i) {
+        waits[i] = result_.status[i] == CellStatus::certified;
+        live += waits[i] ? 1 : 0;
+    }
+    order.reserve(live);
+    const auto add = [&](std::int32_t id) {
+        if (waits[at(id)]) order.push_back(id);
+        waits[at(id)] = false;
+    };
+    for (const std::int32_t id : sorted.input) add(id);
+    for (std::size_t i = 0; order.size() < live; ++i) add(static_cast<std::int32_t>(i));
+    return order;
+}
+
+void Certificate::check_cells() {
+    const std::vector<std::int32_t> order = order_in_space();
+    std::vector<std::int32_t> ranks(result_.status.size(), -1);
+    for (std::size_t k = 0; k < order.size(); ++k) ranks[at(order[k])] = static_cast<std::int32_t>(k);
+    const std::size_t per_block =
+        std::clamp(order.size() / (4 * workers_.size()) + 1, std::min(cells_at_once, cells_of_block), cells_of_block);
+    pool_.run((order.size() + per_block - 1) / per_block, [&](std::size_t block, unsigned worker) {
+        Worker& w = *workers_[worker];
+        const std::size_t begin = block * per_block, end = std::min(order.size(), begin + per_block);
+        w.handed.begin(order, ranks, begin, end);
+        for (std::size_t k = begin; k < end; ++k) {
+            if (k % cells_at_once == 0) check_stop();
+            if (k + 1 < end) prefetch(Prefetch::all, at(order[k + 1]));
+            check_cell(w, at(order[k]));
+        }
+    });
 }
 
 // See shared_corners.hpp.
@@ -295,18 +335,51 @@ void Certificate::for_neighbors(const Name& of, const Visit& visit) const {
 
 void Certificate::check_cell(Worker& w, std::size_t i) {
     begin_cell(w, i);
-    if (!build(w, i)) return;
+    if (!add_row(w, i)) return;
+    if (result_.face_offsets.empty()) {
+        if (close_handed(w, i)) {
+            check_numbers(w, i);
+            if (!w.handed.to_name().empty()) name_planes(w, i);
+            for (const int v : w.handed.to_name()) add_name(w, v);
+            return;
+        }
+        // Names the corners that were handed to it for the other three.
+        const auto self = static_cast<std::int32_t>(i);
+        w.handed.leave(i, [&](const std::array<std::int32_t, 3>& others) {
+            std::uint64_t sum = random_of(self), is_last = 1;
+            for (const std::int32_t id : others) {
+                sum += random_of(id);
+                is_last &= id < self ? 1 : 0;
+            }
+            const std::uint64_t h = scrambled(sum);
+            w.sums[h % buckets] += scrambled(h) * (4 * is_last - 1);
+        });
+        if (!add_row(w, i)) return;
+    }
+    if (!wrap_row(w, i)) return;
     check_numbers(w, i);
     name_planes(w, i);
     if (!result_.face_offsets.empty()) check_polygons(w, i);
     add_names(w, i);
 }
 
+// Tries to make P_i with corners of other cells, see handed_corners.hpp. Walls that it may reach join it.
+bool Certificate::close_handed(Worker& w, std::size_t i) {
+    RowPolytope& polytope = w.polytope;
+    const std::size_t listed = rows_.end(i) - rows_.begin(i);
+    const bool closed = w.handed.close(polytope, i, listed);
+    if (!closed && !polytope.seems_open()) return false;
+    find_walls(w, i, closed ? polytope.reach() : infinity);
+    if (w.walls.size() > max_near_walls) return false;
+    for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
+    if (w.walls.empty() ? !closed : !w.handed.close(polytope, i, listed)) return false;
+    return check_faces(w, i, Shape::solid) && w.handed.hand_on(polytope);
+}
+
 // Makes P_i, condition 1. Walls that the row does not list join it, the nearest ones first: all until they close it,
 // then those that it may reach.
-bool Certificate::build(Worker& w, std::size_t i) {
+bool Certificate::wrap_row(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
-    if (!add_row(w, i)) return false;
     w.has_polygons = wrap_polygons(w, i);
     const bool sure = w.has_polygons || polytope.wrap_surely();
     find_walls(w, i, sure ? polytope.reach() : infinity);
@@ -674,10 +747,14 @@ void Certificate::add_names(Worker& w, std::size_t i) {
             check_corner(w, i, v);
             continue;
         }
-        std::uint64_t factor = 1;
-        const std::uint64_t h = name_of(w, v, factor);
-        w.sums[h % buckets] += scrambled(h) * factor;
+        add_name(w, v);
     }
+}
+
+void Certificate::add_name(Worker& w, int corner) {
+    std::uint64_t factor = 1;
+    const std::uint64_t h = name_of(w, corner, factor);
+    w.sums[h % buckets] += scrambled(h) * factor;
 }
 
 // Returns a number that depends on the seeds and walls of a corner, neither on their order nor on a shift of all: with

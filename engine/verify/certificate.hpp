@@ -45,6 +45,7 @@
 #include "result/result.hpp"
 #include "result/rows.hpp"
 #include "unbounded/endless_box.hpp"
+#include "verify/handed_corners.hpp"
 #include "verify/reported_cell.hpp"
 #include "verify/row_polytope.hpp"
 #include "verify/shared_corners.hpp"
@@ -81,6 +82,7 @@ private:
             : polytope(planes), shared(planes, images) {}
         RowPolytope polytope;
         SharedCorners shared;
+        HandedCorners handed;
         RowPolytope::Measures measures;
         std::vector<std::uint64_t> sums;  // of names of corners, by bucket
         std::uint64_t polygons = 0;       // sum over both sides of all faces
@@ -123,7 +125,11 @@ private:
     void begin_cell(Worker& w, std::size_t i) const;
     [[nodiscard]] bool check_shared(Worker& w, std::size_t i);
     [[nodiscard]] bool shared_cover_once(Worker& sum);
-    [[nodiscard]] bool build(Worker& w, std::size_t i);
+    [[nodiscard]] std::vector<std::int32_t> order_in_space();
+    void check_cells();
+    [[nodiscard]] bool close_handed(Worker& w, std::size_t i);
+    [[nodiscard]] bool build(Worker& w, std::size_t i) { return add_row(w, i) && wrap_row(w, i); }
+    [[nodiscard]] bool wrap_row(Worker& w, std::size_t i);
     [[nodiscard]] bool add_row(Worker& w, std::size_t i);
     [[nodiscard]] bool add_seeds(Worker& w, std::size_t i, std::size_t entry) const;
     [[nodiscard]] bool wrap_polygons(Worker& w, std::size_t i) const;
@@ -141,6 +147,7 @@ private:
     void check_vertex(Worker& w, std::size_t i, int corner, std::int32_t vertex) const;
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
+    void add_name(Worker& w, int corner);
     void check_names(Worker& w, std::size_t i);
     [[nodiscard]] std::uint64_t name_of(const Worker& w, int corner, std::uint64_t& factor) const;
     void check_corner(Worker& w, std::size_t i, int corner);

@@ -307,7 +307,7 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
     return true;
 }
 
-bool RowPolytope::wrap_surely() {
+bool RowPolytope::wrap_surely(std::span<const KnownCorner> known) {
     const int n = planes();
     seems_open_ = false;
     if (n < 4) return seems_open_ = true, false;
@@ -315,44 +315,63 @@ bool RowPolytope::wrap_surely() {
     tight_.clear();
     faces_.assign(at(n), 0);
     std::array<int, 3> start{};
-    if (!guess_start(start)) {
+    if (known.empty() && !guess_start(start)) {
         corners_.clear();
         edges_.clear();
         return seems_open_ = true, false;
     }
     // More corners than a polytope of n faces has are never made.
     const std::size_t room = at(2 * n), padded = p_.padded;
+    if (known.size() > room) return false;
     corners_.resize(room);
     edges_.resize(3 * room);
     if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), -1);
     if (waiting_.size() < 3 * room) waiting_.resize(3 * room);
     std::size_t corners = 0, edges = 0, waiting = 0;
-    const auto add = [&](int a, int b, int c) {
-        if (corners == room) return false;
-        if (inverses_.size() < (corners + 1) * padded) inverses_.resize(2 * (corners + 1) * padded);
-        if (!loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], &inverses_[corners * padded]))
-            return false;
+    const auto join = [&](int a, int b, int c) {
         const int v = static_cast<int>(corners++);
         int* const pairs = pairs_.data();
         for (const auto& [f, g] : {std::array{a, b}, {b, c}, {c, a}}) {
             faces_[at(f)] = 1;
-            int& other = pairs[g * n + f];
+            int &own = pairs[f * n + g], &other = pairs[g * n + f];
             if (other >= 0) {
                 edges_[edges++] = {other, v, f, g};
                 other = -1;
             } else {
-                pairs[f * n + g] = v;
+                if (own >= 0) return false;
+                own = v;
                 waiting_[waiting++] = {v, f, g};
             }
         }
         return true;
     };
+    // The first row is that of the known corner in question.
+    const auto row = [&](std::size_t v) {
+        const std::size_t end = (v < known.size() ? 1 : v - known.size() + 2) * padded;
+        if (inverses_.size() < end) inverses_.resize(2 * end);
+        return &inverses_[end - padded];
+    };
+    const auto add = [&](int a, int b, int c) {
+        return corners < room && loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], row(corners)) &&
+               join(a, b, c);
+    };
     const auto wrap = [&] {
-        if (!add(start[0], start[1], start[2])) return false;
-        for (std::size_t k = 0; k < waiting; ++k) {
-            const auto [v, a, b] = waiting_[k];
+        for (const KnownCorner& corner : known) {
+            const auto& [a, b, c] = corner.planes;
+            const double reach = std::abs(corner.at[0]) + std::abs(corner.at[1]) + std::abs(corner.at[2]);
+            corners_[corners] = {corner.at, corner.error, corner.error + 0x1p-49 * reach, 0x1p-49, corner.planes};
+            if (!join(a, b, c)) return false;
+        }
+        if (known.empty() && !add(start[0], start[1], start[2])) return false;
+        while (waiting > 0) {
+            const auto [v, a, b] = waiting_[--waiting];
             if (pairs_[at(a * n + b)] != v) continue;  // it has an end
-            const int c = loops_.first_hit(p_, &inverses_[at(v) * padded], cross(normal(b), normal(a))).plane;
+            double* const inverses = row(at(v));
+            if (at(v) < known.size()) {
+                loops_.inverses(p_, corners_[at(v)].at, inverses);
+                for (const int f : corners_[at(v)].planes) inverses[f] = 0;
+            }
+            const int c = loops_.first_hit(p_, inverses, cross(normal(b), normal(a))).plane;
             if (c < 0) return seems_open_ = true, false;
             if (!add(b, a, c)) return false;
         }

@@ -112,8 +112,15 @@ public:
     [[nodiscard]] bool wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
     // Returns the vertices of the last polygons, by corner.
     [[nodiscard]] std::span<const std::int32_t> vertices() const { return vertices_; }
-    // Tries sure signs alone. Returns false where they do not settle it.
-    [[nodiscard]] bool wrap_surely();
+    // A corner whose planes are known, with a place and a bound on its error.
+    struct KnownCorner {
+        std::array<int, 3> planes;  // whose normals turn positively
+        Vector3 at;
+        double error;
+    };
+    // Tries sure signs alone. Returns false where they do not settle it. Known corners come first and are taken as they
+    // are; all others are proven to be corners of the polytope. Each edge of each corner has two ends.
+    [[nodiscard]] bool wrap_surely(std::span<const KnownCorner> known = {});
     // The last try met an edge without an end: planes are missing.
     [[nodiscard]] bool seems_open() const { return seems_open_; }
     [[nodiscard]] Shape wrap_exactly();

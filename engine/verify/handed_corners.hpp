@@ -1,0 +1,107 @@
+// Corners that cells hand on: where rows name no corners, each is searched by one of its cells, not by all four.
+//
+// Cells are closed in some order, in blocks. A cell is closed if its corners are found here, else it is left to
+// RowPolytope::wrap(). A corner is shared if it lies between four seeds without shifts, all in one block, of which none
+// is left when the first of them is closed. That one proves the corner and hands it to the others. So all four have it.
+// Each of the others takes it as it is, or is left and names it, see Certificate::add_names(). All other corners are
+// searched and named by each of their cells. In a closed cell
+//   A. exactly one corner is on top, see shared_corners.hpp;
+//   C. the normals of each corner turn positively: where it was proven, and so in all of its cells;
+//   D. each edge has a positive length: one of its ends lies inside of the third plane of the other. An end that is
+//      proven in the cell lies inside of all of its planes. If the ends come from two earlier cells, the first closed
+//      cell of the edge has both, and compares them;
+//   E. walls that are not among its planes lie out of its reach;
+//   and each edge of each corner has two ends, see RowPolytope::wrap_surely().
+// Then the cell is the polytope of its planes and of all walls, with these corners, by the proof in shared_corners.hpp.
+// Of a cell that is left, the whole polytope is found within the walls. The order counts for nothing but speed.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/at.hpp"
+#include "verify/row_polytope.hpp"
+#include "verify/shared_corners.hpp"
+
+namespace votess {
+
+class HandedCorners {
+public:
+    // Begins a block: the seeds order[begin] to order[end - 1]. ranks: the place in the order of each seed, or -1.
+    void begin(std::span<const std::int32_t> order, std::span<const std::int32_t> ranks, std::size_t begin,
+               std::size_t end);
+    // Tries to close a cell of the block, whose polytope has its planes, of which the first `faces` must have faces.
+    // Returns false where that fails. E is left to the caller.
+    [[nodiscard]] bool close(RowPolytope& polytope, std::size_t seed, std::size_t faces);
+    // Hands the new corners of that cell on. Returns false where an earlier cell lacks one.
+    [[nodiscard]] bool hand_on(const RowPolytope& polytope);
+    // The corners of the cell that it must name.
+    [[nodiscard]] std::span<const int> to_name() const { return to_name_; }
+    // Leaves a cell. Calls visit(three seeds) for the corners that were handed to it.
+    template <class Visit>
+    void leave(std::size_t seed, const Visit& visit) {
+        const auto cell = local(static_cast<std::int32_t>(seed));
+        left_[cell] = 1;
+        for_handed(cell, [&](const Found& found, std::size_t k) {
+            const std::array<std::uint32_t, 3> others = found.seen_from(k);
+            visit(std::array{order_[others[0]], order_[others[1]], order_[others[2]]});
+            return true;
+        });
+    }
+
+private:
+    struct Found {
+        std::array<std::uint32_t, 4> cells;  // numbers in the block; the first one found it
+        std::array<std::uint32_t, 3> next;   // in the lists of the others
+        Vector3 at;                          // seen from the first
+        double error;
+        // Returns the other cells in the order in which their normals turn positively in cell k.
+        [[nodiscard]] std::array<std::uint32_t, 3> seen_from(std::size_t k) const {
+            const auto& [a, b, c, d] = cells;
+            return k == 1 ? std::array{a, d, c} : k == 2 ? std::array{b, d, a} : std::array{c, b, a};
+        }
+    };
+    enum class Side : std::uint8_t { other, earlier, later };  // of a plane: a closed cell, one to be closed, or none
+    // Calls visit(found, k) for the corners handed to a cell, which is number k of each, until one returns false.
+    template <class Visit>
+    bool for_handed(std::uint32_t cell, const Visit& visit) const {
+        for (std::uint32_t link = first_[cell]; link != none;) {
+            const Found& found = found_[link >> 2];
+            const std::size_t k = link & 3;
+            if (!visit(found, k)) return false;
+            link = found.next[k - 1];
+        }
+        return true;
+    }
+    // Returns the number of a seed in the block; if it is not there, one beyond the end.
+    [[nodiscard]] std::uint32_t local(std::int32_t seed) const {
+        return static_cast<std::uint32_t>(ranks_[at(seed)] - begin_);
+    }
+    void look_around(const RowPolytope& polytope, std::uint32_t cell);
+    [[nodiscard]] bool take_handed(const RowPolytope& polytope, std::uint32_t cell);
+    [[nodiscard]] bool has_one_top(const RowPolytope& polytope, std::size_t direction);
+    [[nodiscard]] bool check_edges(RowPolytope& polytope);
+
+    static constexpr std::uint32_t none = 0xffffffff;
+    std::span<const std::int32_t> order_, ranks_;
+    std::int32_t begin_ = 0;
+    std::vector<std::uint32_t> first_;  // by cell: the number of a corner, four times, and its own number there
+    std::vector<std::uint8_t> left_;    // by cell
+    std::vector<Found> found_;
+    struct Slot {
+        std::uint32_t cell;  // that saw it last
+        std::int32_t plane;  // of its polytope
+    };
+    std::vector<Slot> slots_;  // by cell
+    std::vector<Side> sides_;  // by plane
+    std::vector<std::uint32_t> cells_;  // by plane, of those in the block
+    std::vector<SeenNormal> normals_;
+    std::vector<RowPolytope::KnownCorner> known_;
+    std::vector<int> to_name_;
+    std::uint32_t cell_ = 0;
+};
+
+}  // namespace votess
