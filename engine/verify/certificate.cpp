@@ -198,6 +198,12 @@ void Certificate::check_cells() {
         w.handed.begin(order, ranks, begin, end);
         for (std::size_t k = begin; k < end; ++k) {
             if (k % cells_at_once == 0) check_stop();
+            if (k + 8 < end) __builtin_prefetch(&rows_.indptr[at(order[k + 8])]);
+            if (k + 4 < end) {
+                const std::int32_t* const row = rows_.indices.data() + rows_.begin(at(order[k + 4]));
+                __builtin_prefetch(row);
+                __builtin_prefetch(row + 16);
+            }
             if (k + 1 < end) prefetch(Prefetch::all, at(order[k + 1]));
             check_cell(w, at(order[k]));
         }

@@ -50,6 +50,7 @@ public:
             visit(std::array{order_[others[0]], order_[others[1]], order_[others[2]]});
             return true;
         });
+        forget_handed(cell);
     }
 
 private:
@@ -84,6 +85,7 @@ private:
     [[nodiscard]] bool take_handed(const RowPolytope& polytope, std::uint32_t cell);
     [[nodiscard]] bool has_one_top(const RowPolytope& polytope, std::size_t direction);
     [[nodiscard]] bool check_edges(RowPolytope& polytope);
+    void forget_handed(std::uint32_t cell);
 
     static constexpr std::uint32_t none = 0xffffffff;
     std::span<const std::int32_t> order_, ranks_;
@@ -91,6 +93,7 @@ private:
     std::vector<std::uint32_t> first_;  // by cell: the number of a corner, four times, and its own number there
     std::vector<std::uint8_t> left_;    // by cell
     std::vector<Found> found_;
+    std::uint32_t free_ = none;  // the first one that no cell waits for; its next[0] is the second
     struct Slot {
         std::uint32_t cell;  // that saw it last
         std::int32_t plane;  // of its polytope
@@ -100,7 +103,8 @@ private:
     std::vector<std::uint32_t> cells_;  // by plane, of those in the block
     std::vector<SeenNormal> normals_;
     std::vector<RowPolytope::KnownCorner> known_;
-    std::vector<int> to_name_;
+    std::size_t handed_ = 0;  // of these, to the cell
+    std::vector<int> new_, to_name_;  // corners of the polytope
     std::uint32_t cell_ = 0;
 };
 
