@@ -191,20 +191,23 @@ void Certificate::check_cells() {
     std::vector<std::int32_t> ranks(result_.status.size(), -1);
     for (std::size_t k = 0; k < order.size(); ++k) ranks[at(order[k])] = static_cast<std::int32_t>(k);
     const std::size_t per_block =
-        std::clamp(order.size() / (4 * workers_.size()) + 1, std::min(cells_at_once, cells_of_block), cells_of_block);
+        std::clamp(order.size() / (workers_.size() == 1 ? 1 : 4 * workers_.size()) + 1, cells_at_once, cells_of_block);
     pool_.run((order.size() + per_block - 1) / per_block, [&](std::size_t block, unsigned worker) {
         Worker& w = *workers_[worker];
         const std::size_t begin = block * per_block, end = std::min(order.size(), begin + per_block);
         w.handed.begin(order, ranks, begin, end);
         for (std::size_t k = begin; k < end; ++k) {
             if (k % cells_at_once == 0) check_stop();
-            if (k + 8 < end) __builtin_prefetch(&rows_.indptr[at(order[k + 8])]);
+            if (k + 8 < end) {  // neighbors are those of cells before
+                const std::size_t i = at(order[k + 8]);
+                __builtin_prefetch(&rows_.indptr[i]);
+                __builtin_prefetch(job_.points.f64.data() + 3 * i);
+            }
             if (k + 4 < end) {
                 const std::int32_t* const row = rows_.indices.data() + rows_.begin(at(order[k + 4]));
                 __builtin_prefetch(row);
                 __builtin_prefetch(row + 16);
             }
-            if (k + 1 < end) prefetch(Prefetch::all, at(order[k + 1]));
             check_cell(w, at(order[k]));
         }
     });

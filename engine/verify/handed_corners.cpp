@@ -11,37 +11,39 @@ void HandedCorners::begin(std::span<const std::int32_t> order, std::span<const s
     ranks_ = ranks;
     begin_ = static_cast<std::int32_t>(begin);
     found_.clear();
-    free_ = none;
-    first_.assign(end - begin, none);
-    left_.assign(end - begin, 0);
-    slots_.assign(end - begin, {none, 0});
+    pieces_.clear();
+    free_found_.clear();
+    free_pieces_.clear();
+    cells_.assign(end - begin, {});
 }
 
 // Finds which planes are those of cells of the block.
 void HandedCorners::look_around(const RowPolytope& polytope, std::uint32_t cell) {
     const std::span<const RowPolytope::Name> names = polytope.names();
     sides_.assign(names.size(), Side::other);
-    cells_.resize(names.size());
+    locals_.resize(names.size());
     for (std::size_t f = 0; f < names.size(); ++f) {
         if (names[f].id < 0 || !is_zero(names[f].shift)) continue;
-        const std::uint32_t other = local(names[f].id);
-        if (other >= order_.size()) continue;
-        slots_[other] = {cell, static_cast<std::int32_t>(f)};
-        cells_[f] = other;
-        if (left_[other] == 0) sides_[f] = other < cell ? Side::earlier : Side::later;
+        const std::uint32_t number = local(names[f].id);
+        if (number >= order_.size()) continue;
+        Cell& other = cells_[number];
+        other.seen_by = cell;
+        other.plane = static_cast<std::uint16_t>(f);
+        locals_[f] = number;
+        sides_[f] = other.left ? Side::other : number < cell ? Side::earlier : Side::later;
     }
 }
 
-// Returns false if a cell that the corner needs is not in the row.
+// Returns false if a cell that a corner needs is not in the row.
 bool HandedCorners::take_handed(const RowPolytope& polytope, std::uint32_t cell) {
     const PlaneArrays& p = polytope.arrays();
-    if (known_.size() < at(2 * polytope.planes())) known_.resize(at(2 * polytope.planes()));
+    if (known_.size() < cells_[cell].handed) known_.resize(2 * cells_[cell].handed);
     handed_ = 0;
     return for_handed(cell, [&](const Found& found, std::size_t k) {
         const std::array<std::uint32_t, 3> others = found.seen_from(k);
-        const Slot &a = slots_[others[0]], &b = slots_[others[1]], &c = slots_[others[2]];
-        const auto from = static_cast<std::size_t>(slots_[found.cells[0]].plane);
-        if (a.cell != cell || b.cell != cell || c.cell != cell || handed_ == known_.size()) return false;
+        const Cell &a = cells_[others[0]], &b = cells_[others[1]], &c = cells_[others[2]];
+        const std::size_t from = cells_[found.cells[0]].plane;
+        if (((a.seen_by ^ cell) | (b.seen_by ^ cell) | (c.seen_by ^ cell)) != 0) return false;
         RowPolytope::KnownCorner& corner = known_[handed_++];
         const double x = found.at[0] + p.nx[from], y = found.at[1] + p.ny[from], z = found.at[2] + p.nz[from];
         corner.planes[0] = a.plane, corner.planes[1] = b.plane, corner.planes[2] = c.plane;
@@ -64,14 +66,24 @@ bool HandedCorners::has_one_top(const RowPolytope& polytope, std::size_t directi
 
 // D
 bool HandedCorners::check_edges(RowPolytope& polytope) {
-    const int known = static_cast<int>(handed_);
-    for (const RowPolytope::Edge& edge : polytope.edges()) {
-        if (edge.from >= known || edge.to >= known) continue;
-        if (sides_[at(edge.left)] == Side::earlier || sides_[at(edge.right)] == Side::earlier) continue;
-        const auto& [a, b, c] = polytope.corners()[at(edge.to)].planes;
-        if (!polytope.is_inside(edge.from, a + b + c - edge.left - edge.right)) return false;
+    const std::span<const RowPolytope::Edge> edges = polytope.edges();
+    const int handed = static_cast<int>(handed_);
+    // Which edges these are is hard to foretell, so there is no branch.
+    to_compare_.resize(edges.size() + 1);
+    std::size_t count = 0;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        const RowPolytope::Edge& edge = edges[e];
+        to_compare_[count] = static_cast<int>(e);
+        count += (edge.from < handed) & (edge.to < handed) & (sides_[at(edge.left)] != Side::earlier) &
+                         (sides_[at(edge.right)] != Side::earlier)
+                     ? 1
+                     : 0;
     }
-    return true;
+    return std::all_of(to_compare_.begin(), to_compare_.begin() + static_cast<std::ptrdiff_t>(count), [&](int e) {
+        const RowPolytope::Edge& edge = edges[at(e)];
+        const auto& [a, b, c] = polytope.corners()[at(edge.to)].planes;
+        return polytope.is_inside(edge.from, a + b + c - edge.left - edge.right);
+    });
 }
 
 bool HandedCorners::close(RowPolytope& polytope, std::size_t seed, std::size_t faces) {
@@ -102,33 +114,45 @@ bool HandedCorners::hand_on(const RowPolytope& polytope) {
     for (const int v : new_) {
         const RowPolytope::Corner& corner = corners[at(v)];
         const auto& [a, b, c] = corner.planes;
-        if (free_ == none) {
-            free_ = static_cast<std::uint32_t>(found_.size());
-            found_.emplace_back().next[0] = none;
+        if (free_found_.empty()) {
+            free_found_.push_back(static_cast<std::uint32_t>(found_.size()));
+            found_.emplace_back();
         }
-        const std::uint32_t n = free_;
+        const std::uint32_t n = free_found_.back();
+        free_found_.pop_back();
         Found& found = found_[n];
-        free_ = found.next[0];
-        found.cells = {cell_, cells_[at(a)], cells_[at(b)], cells_[at(c)]};
+        found.cells = {cell_, locals_[at(a)], locals_[at(b)], locals_[at(c)]};
         found.at = corner.at, found.error = corner.error;
-        for (std::uint32_t k = 1; k < 4; ++k) {
-            std::uint32_t& first = first_[found.cells[k]];
-            found.next[k - 1] = first;
-            first = 4 * n + k;
-        }
+        for (std::uint32_t k = 1; k < 4; ++k) hand(found.cells[k], 4 * n + k);
     }
     return true;
 }
 
-void HandedCorners::forget_handed(std::uint32_t cell) {
-    for (std::uint32_t link = first_[cell]; link != none;) {
-        const std::uint32_t n = link >> 2;
-        Found& found = found_[n];
-        link = found.next[(link & 3) - 1];
-        if (std::max({found.cells[1], found.cells[2], found.cells[3]}) != cell) continue;
-        found.next[0] = free_;
-        free_ = n;
+void HandedCorners::hand(std::uint32_t cell, std::uint32_t link) {
+    Cell& to = cells_[cell];
+    const std::uint32_t place = to.handed++ % per_piece;
+    if (place == 0) {
+        if (free_pieces_.empty()) {
+            free_pieces_.push_back(static_cast<std::uint32_t>(pieces_.size()));
+            pieces_.emplace_back();
+        }
+        pieces_[free_pieces_.back()].next = to.first;
+        to.first = free_pieces_.back();
+        free_pieces_.pop_back();
     }
+    pieces_[to.first].links[place] = link;
+}
+
+void HandedCorners::forget_handed(std::uint32_t cell) {
+    for_handed(cell, [&](const Found& found, std::size_t) {
+        if (std::max({found.cells[1], found.cells[2], found.cells[3]}) == cell)
+            free_found_.push_back(static_cast<std::uint32_t>(&found - found_.data()));
+        return true;
+    });
+    for (std::uint32_t piece = cells_[cell].first; piece != none; piece = pieces_[piece].next)
+        free_pieces_.push_back(piece);
+    cells_[cell].first = none;
+    cells_[cell].handed = 0;
 }
 
 }  // namespace votess

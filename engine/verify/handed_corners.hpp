@@ -43,20 +43,19 @@ public:
     // Leaves a cell. Calls visit(three seeds) for the corners that were handed to it.
     template <class Visit>
     void leave(std::size_t seed, const Visit& visit) {
-        const auto cell = local(static_cast<std::int32_t>(seed));
-        left_[cell] = 1;
+        const std::uint32_t cell = local(static_cast<std::int32_t>(seed));
         for_handed(cell, [&](const Found& found, std::size_t k) {
             const std::array<std::uint32_t, 3> others = found.seen_from(k);
             visit(std::array{order_[others[0]], order_[others[1]], order_[others[2]]});
             return true;
         });
         forget_handed(cell);
+        cells_[cell].left = true;
     }
 
 private:
-    struct Found {
+    struct alignas(64) Found {
         std::array<std::uint32_t, 4> cells;  // numbers in the block; the first one found it
-        std::array<std::uint32_t, 3> next;   // in the lists of the others
         Vector3 at;                          // seen from the first
         double error;
         // Returns the other cells in the order in which their normals turn positively in cell k.
@@ -65,15 +64,30 @@ private:
             return k == 1 ? std::array{a, d, c} : k == 2 ? std::array{b, d, a} : std::array{c, b, a};
         }
     };
+    // Corners handed to a cell, in pieces: the number of a corner, four times, and that of the cell there.
+    static constexpr std::uint32_t none = 0xffffffff, per_piece = 15;
+    struct alignas(64) Piece {
+        std::array<std::uint32_t, per_piece> links;
+        std::uint32_t next;
+    };
+    struct Cell {
+        std::uint32_t first = none, handed = 0;  // piece, corners
+        std::uint32_t seen_by = none;            // the last cell that has it in its row
+        std::uint16_t plane = 0;                 // of that
+        bool left = false;
+    };
     enum class Side : std::uint8_t { other, earlier, later };  // of a plane: a closed cell, one to be closed, or none
     // Calls visit(found, k) for the corners handed to a cell, which is number k of each, until one returns false.
     template <class Visit>
     bool for_handed(std::uint32_t cell, const Visit& visit) const {
-        for (std::uint32_t link = first_[cell]; link != none;) {
-            const Found& found = found_[link >> 2];
-            const std::size_t k = link & 3;
-            if (!visit(found, k)) return false;
-            link = found.next[k - 1];
+        std::uint32_t piece = cells_[cell].first;
+        for (std::uint32_t rest = cells_[cell].handed; rest > 0; piece = pieces_[piece].next) {
+            const std::uint32_t here = (rest - 1) % per_piece + 1;
+            for (std::uint32_t k = 0; k < here; ++k) {
+                const std::uint32_t link = pieces_[piece].links[k];
+                if (!visit(found_[link >> 2], link & 3)) return false;
+            }
+            rest -= here;
         }
         return true;
     }
@@ -87,24 +101,20 @@ private:
     [[nodiscard]] bool check_edges(RowPolytope& polytope);
     void forget_handed(std::uint32_t cell);
 
-    static constexpr std::uint32_t none = 0xffffffff;
+    void hand(std::uint32_t cell, std::uint32_t link);
+
     std::span<const std::int32_t> order_, ranks_;
     std::int32_t begin_ = 0;
-    std::vector<std::uint32_t> first_;  // by cell: the number of a corner, four times, and its own number there
-    std::vector<std::uint8_t> left_;    // by cell
+    std::vector<Cell> cells_;
     std::vector<Found> found_;
-    std::uint32_t free_ = none;  // the first one that no cell waits for; its next[0] is the second
-    struct Slot {
-        std::uint32_t cell;  // that saw it last
-        std::int32_t plane;  // of its polytope
-    };
-    std::vector<Slot> slots_;  // by cell
-    std::vector<Side> sides_;  // by plane
-    std::vector<std::uint32_t> cells_;  // by plane, of those in the block
+    std::vector<Piece> pieces_;
+    std::vector<std::uint32_t> free_found_, free_pieces_;  // that no cell waits for
+    std::vector<Side> sides_;                              // by plane
+    std::vector<std::uint32_t> locals_;                    // by plane, of cells in the block
     std::vector<SeenNormal> normals_;
     std::vector<RowPolytope::KnownCorner> known_;
     std::size_t handed_ = 0;  // of these, to the cell
-    std::vector<int> new_, to_name_;  // corners of the polytope
+    std::vector<int> to_compare_, new_, to_name_;  // edges, corners of the polytope
     std::uint32_t cell_ = 0;
 };
 

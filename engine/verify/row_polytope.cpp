@@ -324,26 +324,38 @@ bool RowPolytope::wrap_surely(std::span<const KnownCorner> known) {
     const std::size_t room = at(2 * n), padded = p_.padded;
     if (known.size() > room) return false;
     corners_.resize(room);
-    edges_.resize(3 * room);
-    if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), -1);
+    constexpr std::uint32_t turn_step = 1 << 12;
+    static_assert(turn_step >= 2 * max_sure_planes);
+    pairs_turn_ += turn_step;
+    if (pairs_turn_ == 0) pairs_.clear(), pairs_turn_ = turn_step;
+    if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), 0);
     if (waiting_.size() < 3 * room) waiting_.resize(3 * room);
-    std::size_t corners = 0, edges = 0, waiting = 0;
-    const auto join = [&](int a, int b, int c) {
-        const int v = static_cast<int>(corners++);
-        int* const pairs = pairs_.data();
-        for (const auto& [f, g] : {std::array{a, b}, {b, c}, {c, a}}) {
+    std::uint32_t* const pairs = pairs_.data();
+    const std::uint32_t turn = pairs_turn_;
+    Half* const halves = waiting_.data();
+    std::size_t corners = 0, waiting = 0;
+    bool twice = false;
+    // Pairs of planes with an edge at a corner, in the order in which its polygons meet them.
+    const auto for_pairs = [&](std::size_t v, const auto& visit) {
+        const auto [a, b, c] = corners_[v].planes;
+        visit(a, b);
+        visit(b, c);
+        visit(c, a);
+    };
+    const auto is_free = [&](int f, int g) { return (pairs[f * n + g] ^ turn) >= turn_step; };
+    const auto join = [&](std::size_t v) {
+        for_pairs(v, [&](int f, int g) {
             faces_[at(f)] = 1;
-            int &own = pairs[f * n + g], &other = pairs[g * n + f];
-            if (other >= 0) {
-                edges_[edges++] = {other, v, f, g};
-                other = -1;
-            } else {
-                if (own >= 0) return false;
-                own = v;
-                waiting_[waiting++] = {v, f, g};
-            }
-        }
-        return true;
+            twice |= !is_free(f, g);
+            pairs[f * n + g] = turn | static_cast<std::uint32_t>(v);
+        });
+    };
+    // Which ends are missing is hard to foretell, so there is no branch.
+    const auto wait = [&](std::size_t v) {
+        for_pairs(v, [&](int f, int g) {
+            halves[waiting] = {static_cast<int>(v), f, g};
+            waiting += is_free(g, f) ? 1 : 0;
+        });
     };
     // The first row is that of the known corner in question.
     const auto row = [&](std::size_t v) {
@@ -352,20 +364,25 @@ bool RowPolytope::wrap_surely(std::span<const KnownCorner> known) {
         return &inverses_[end - padded];
     };
     const auto add = [&](int a, int b, int c) {
-        return corners < room && loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], row(corners)) &&
-               join(a, b, c);
+        if (corners == room || !loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], row(corners)))
+            return false;
+        join(corners);
+        wait(corners++);
+        return !twice;
     };
     const auto wrap = [&] {
-        for (const KnownCorner& corner : known) {
-            const auto& [a, b, c] = corner.planes;
+        for (; corners < known.size(); ++corners) {
+            const KnownCorner& corner = known[corners];
             const double reach = std::abs(corner.at[0]) + std::abs(corner.at[1]) + std::abs(corner.at[2]);
             corners_[corners] = {corner.at, corner.error, corner.error + 0x1p-49 * reach, 0x1p-49, corner.planes};
-            if (!join(a, b, c)) return false;
+            join(corners);
         }
+        if (twice) return false;
+        for (std::size_t v = 0; v < corners; ++v) wait(v);
         if (known.empty() && !add(start[0], start[1], start[2])) return false;
         while (waiting > 0) {
-            const auto [v, a, b] = waiting_[--waiting];
-            if (pairs_[at(a * n + b)] != v) continue;  // it has an end
+            const auto [v, a, b] = halves[--waiting];
+            if (!is_free(b, a)) continue;  // it has an end
             double* const inverses = row(at(v));
             if (at(v) < known.size()) {
                 loops_.inverses(p_, corners_[at(v)].at, inverses);
@@ -379,9 +396,17 @@ bool RowPolytope::wrap_surely(std::span<const KnownCorner> known) {
     };
     const bool sure = wrap();
     corners_.resize(corners);
+    edges_.resize(sure ? corners * 3 / 2 + 1 : 0);
+    if (!sure) return false;
+    std::size_t edges = 0;
+    for (std::size_t v = 0; v < corners; ++v)
+        for_pairs(v, [&](int f, int g) {
+            const std::uint32_t from = pairs[g * n + f] ^ turn;
+            edges_[edges] = {static_cast<int>(from), static_cast<int>(v), f, g};
+            edges += from < v ? 1 : 0;
+        });
     edges_.resize(edges);
-    if (!sure) std::fill_n(pairs_.begin(), n * n, -1);
-    return sure;
+    return true;
 }
 
 int RowPolytope::side(int v, const Name& name) {

@@ -195,7 +195,9 @@ private:
     std::vector<Corner> corners_;
     std::vector<Edge> edges_;
     std::vector<std::uint8_t> faces_;
-    std::vector<int> pairs_;  // planes a, b: the corner whose edge along both has no end yet, or -1
+    // By planes a, b: the turn and the corner whose polygon in a goes on to b. Those of other turns are free.
+    std::vector<std::uint32_t> pairs_;
+    std::uint32_t pairs_turn_ = 0;
     struct Half {
         int corner, a, b;
     };
