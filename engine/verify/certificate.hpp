@@ -136,6 +136,7 @@ private:
     void find_walls(Worker& w, std::size_t i, double reach) const;
     [[nodiscard]] bool check_faces(Worker& w, std::size_t i, RowPolytope::Shape shape);
     void check_numbers(Worker& w, std::size_t i);
+    void measure_handed(Worker& w, std::size_t i);
     static void add_areas(Worker& w);
     void check_polygons(Worker& w, std::size_t i);
     [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;

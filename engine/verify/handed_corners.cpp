@@ -11,7 +11,7 @@ void HandedCorners::begin(std::span<const std::int32_t> order, std::span<const s
     ranks_ = ranks;
     begin_ = static_cast<std::int32_t>(begin);
     found_.clear();
-    pieces_.clear();
+    links_.assign(piece_size, 0);
     free_found_.clear();
     free_pieces_.clear();
     cells_.assign(end - begin, {});
@@ -35,22 +35,27 @@ void HandedCorners::look_around(const RowPolytope& polytope, std::uint32_t cell)
 }
 
 // Returns false if a cell that a corner needs is not in the row.
-bool HandedCorners::take_handed(const RowPolytope& polytope, std::uint32_t cell) {
+bool HandedCorners::take_handed(RowPolytope& polytope, std::uint32_t cell) {
     const PlaneArrays& p = polytope.arrays();
-    if (known_.size() < cells_[cell].handed) known_.resize(2 * cells_[cell].handed);
-    handed_ = 0;
-    return for_handed(cell, [&](const Found& found, std::size_t k) {
+    const std::span<RowPolytope::Corner> corners = polytope.begin_known(at(2 * polytope.planes()));
+    std::size_t handed = 0;
+    const bool taken = for_handed(cell, [&](const Found& found, std::size_t k) {
         const std::array<std::uint32_t, 3> others = found.seen_from(k);
         const Cell &a = cells_[others[0]], &b = cells_[others[1]], &c = cells_[others[2]];
         const std::size_t from = cells_[found.cells[0]].plane;
-        if (((a.seen_by ^ cell) | (b.seen_by ^ cell) | (c.seen_by ^ cell)) != 0) return false;
-        RowPolytope::KnownCorner& corner = known_[handed_++];
-        const double x = found.at[0] + p.nx[from], y = found.at[1] + p.ny[from], z = found.at[2] + p.nz[from];
+        if (((a.seen_by ^ cell) | (b.seen_by ^ cell) | (c.seen_by ^ cell)) != 0 || handed == corners.size())
+            return false;
+        RowPolytope::Corner& corner = corners[handed++];
+        const double x = found.at[0] + p.nx[from], y = found.at[1] + p.ny[from], z = found.at[2] + p.nz[from],
+                     reach = std::abs(x) + std::abs(y) + std::abs(z),
+                     error = found.error + 0x1p-50 * (reach + p.length[from]);
         corner.planes[0] = a.plane, corner.planes[1] = b.plane, corner.planes[2] = c.plane;
         corner.at[0] = x, corner.at[1] = y, corner.at[2] = z;
-        corner.error = found.error + 0x1p-50 * (std::abs(x) + std::abs(y) + std::abs(z) + p.length[from]);
+        corner.error = error, corner.slope = error + 0x1p-49 * reach, corner.constant = 0x1p-49;
         return true;
     });
+    handed_ = handed;
+    return taken;
 }
 
 bool HandedCorners::has_one_top(const RowPolytope& polytope, std::size_t direction) {
@@ -89,7 +94,7 @@ bool HandedCorners::check_edges(RowPolytope& polytope) {
 bool HandedCorners::close(RowPolytope& polytope, std::size_t seed, std::size_t faces) {
     cell_ = local(static_cast<std::int32_t>(seed));
     look_around(polytope, cell_);
-    if (polytope.unit() != 1 || !take_handed(polytope, cell_) || !polytope.wrap_surely(std::span(known_).first(handed_))) return false;
+    if (polytope.unit() != 1 || !take_handed(polytope, cell_) || !polytope.wrap_surely(handed_)) return false;
     for (std::size_t f = 0; f < faces; ++f)
         if (!polytope.has_face(static_cast<int>(f))) return false;
     if (!has_one_top(polytope, 0) && !has_one_top(polytope, 1)) return false;
@@ -129,18 +134,18 @@ bool HandedCorners::hand_on(const RowPolytope& polytope) {
 }
 
 void HandedCorners::hand(std::uint32_t cell, std::uint32_t link) {
-    Cell& to = cells_[cell];
-    const std::uint32_t place = to.handed++ % per_piece;
-    if (place == 0) {
+    std::uint32_t& end = cells_[cell].end;
+    if ((end & last) == last) {
         if (free_pieces_.empty()) {
-            free_pieces_.push_back(static_cast<std::uint32_t>(pieces_.size()));
-            pieces_.emplace_back();
+            free_pieces_.push_back(static_cast<std::uint32_t>(links_.size()));
+            links_.resize(links_.size() + piece_size);
         }
-        pieces_[free_pieces_.back()].next = to.first;
-        to.first = free_pieces_.back();
+        const std::uint32_t piece = free_pieces_.back();
         free_pieces_.pop_back();
+        links_[piece + last] = end & ~last;
+        end = piece;
     }
-    pieces_[to.first].links[place] = link;
+    links_[end++] = link;
 }
 
 void HandedCorners::forget_handed(std::uint32_t cell) {
@@ -149,10 +154,8 @@ void HandedCorners::forget_handed(std::uint32_t cell) {
             free_found_.push_back(static_cast<std::uint32_t>(&found - found_.data()));
         return true;
     });
-    for (std::uint32_t piece = cells_[cell].first; piece != none; piece = pieces_[piece].next)
-        free_pieces_.push_back(piece);
-    cells_[cell].first = none;
-    cells_[cell].handed = 0;
+    std::uint32_t& end = cells_[cell].end;
+    for (; end > last; end = links_[end | last] + last) free_pieces_.push_back(end & ~last);
 }
 
 }  // namespace votess

@@ -64,31 +64,22 @@ private:
             return k == 1 ? std::array{a, d, c} : k == 2 ? std::array{b, d, a} : std::array{c, b, a};
         }
     };
-    // Corners handed to a cell, in pieces: the number of a corner, four times, and that of the cell there.
-    static constexpr std::uint32_t none = 0xffffffff, per_piece = 15;
-    struct alignas(64) Piece {
-        std::array<std::uint32_t, per_piece> links;
-        std::uint32_t next;
-    };
+    // Corners handed to cells: of each the number of the corner, four times, and that of the cell there. They lie in
+    // pieces of 16, of which the last place names the piece before. Piece 0 is full and stands for none.
+    static constexpr std::uint32_t piece_size = 16, last = piece_size - 1, none = 0xffffffff;
     struct Cell {
-        std::uint32_t first = none, handed = 0;  // piece, corners
-        std::uint32_t seen_by = none;            // the last cell that has it in its row
-        std::uint16_t plane = 0;                 // of that
+        std::uint32_t end = last;      // of its last piece
+        std::uint32_t seen_by = none;  // the last cell that has it in its row
+        std::uint16_t plane = 0;       // of that
         bool left = false;
     };
     enum class Side : std::uint8_t { other, earlier, later };  // of a plane: a closed cell, one to be closed, or none
     // Calls visit(found, k) for the corners handed to a cell, which is number k of each, until one returns false.
     template <class Visit>
     bool for_handed(std::uint32_t cell, const Visit& visit) const {
-        std::uint32_t piece = cells_[cell].first;
-        for (std::uint32_t rest = cells_[cell].handed; rest > 0; piece = pieces_[piece].next) {
-            const std::uint32_t here = (rest - 1) % per_piece + 1;
-            for (std::uint32_t k = 0; k < here; ++k) {
-                const std::uint32_t link = pieces_[piece].links[k];
-                if (!visit(found_[link >> 2], link & 3)) return false;
-            }
-            rest -= here;
-        }
+        for (std::uint32_t end = cells_[cell].end; end > last; end = links_[end | last] + last)
+            for (std::uint32_t k = end & ~last; k < end; ++k)
+                if (!visit(found_[links_[k] >> 2], links_[k] & 3)) return false;
         return true;
     }
     // Returns the number of a seed in the block; if it is not there, one beyond the end.
@@ -96,7 +87,7 @@ private:
         return static_cast<std::uint32_t>(ranks_[at(seed)] - begin_);
     }
     void look_around(const RowPolytope& polytope, std::uint32_t cell);
-    [[nodiscard]] bool take_handed(const RowPolytope& polytope, std::uint32_t cell);
+    [[nodiscard]] bool take_handed(RowPolytope& polytope, std::uint32_t cell);
     [[nodiscard]] bool has_one_top(const RowPolytope& polytope, std::size_t direction);
     [[nodiscard]] bool check_edges(RowPolytope& polytope);
     void forget_handed(std::uint32_t cell);
@@ -107,13 +98,12 @@ private:
     std::int32_t begin_ = 0;
     std::vector<Cell> cells_;
     std::vector<Found> found_;
-    std::vector<Piece> pieces_;
+    std::vector<std::uint32_t> links_;
     std::vector<std::uint32_t> free_found_, free_pieces_;  // that no cell waits for
     std::vector<Side> sides_;                              // by plane
     std::vector<std::uint32_t> locals_;                    // by plane, of cells in the block
     std::vector<SeenNormal> normals_;
-    std::vector<RowPolytope::KnownCorner> known_;
-    std::size_t handed_ = 0;  // of these, to the cell
+    std::size_t handed_ = 0;  // corners to the cell, its first ones
     std::vector<int> to_compare_, new_, to_name_;  // edges, corners of the polytope
     std::uint32_t cell_ = 0;
 };

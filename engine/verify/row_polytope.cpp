@@ -307,84 +307,107 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
     return true;
 }
 
-bool RowPolytope::wrap_surely(std::span<const KnownCorner> known) {
+// Joins known corners, and lists the edges among theirs that have no end yet.
+void RowPolytope::take_known(std::size_t known, std::size_t& waiting, bool& twice) {
     const int n = planes();
+    const std::uint32_t turn = pairs_turn_;
+    std::uint32_t* const pairs = pairs_.data();
+    std::uint32_t nearest = pair_step;
+    for (std::size_t v = 0; v < known; ++v) {
+        const auto [a, b, c] = corners_[v].planes;
+        std::uint32_t &ab = pairs[a * n + b], &bc = pairs[b * n + c], &ca = pairs[c * n + a];
+        nearest = std::min({nearest, ab ^ turn, bc ^ turn, ca ^ turn});
+        ab = bc = ca = turn | static_cast<std::uint32_t>(v);
+    }
+    twice = nearest < pair_step;
+    // Which ends are missing is hard to foretell, so there is no branch.
+    Half* next = waiting_.data();
+    for (std::size_t v = 0; v < known; ++v) {
+        const auto [a, b, c] = corners_[v].planes;
+        const int corner = static_cast<int>(v);
+        const auto is_free = [&](int f, int g) { return (pairs[f * n + g] ^ turn) >= pair_step ? 1 : 0; };
+        *next = {corner, a, b};
+        next += is_free(b, a);
+        *next = {corner, b, c};
+        next += is_free(c, b);
+        *next = {corner, c, a};
+        next += is_free(a, c);
+    }
+    waiting = static_cast<std::size_t>(next - waiting_.data());
+}
+
+// Each edge of each corner has an end.
+void RowPolytope::make_edges() {
+    const int n = planes();
+    const std::uint32_t turn = pairs_turn_;
+    const std::uint32_t* const pairs = pairs_.data();
+    edges_.resize(corners_.size() * 3 / 2 + 1);
+    Edge* next = edges_.data();
+    for (std::size_t v = 0; v < corners_.size(); ++v) {
+        const auto [a, b, c] = corners_[v].planes;
+        const int corner = static_cast<int>(v);
+        const auto other = [&](int f, int g) { return static_cast<int>(pairs[f * n + g] ^ turn); };
+        const int ab = other(b, a), bc = other(c, b), ca = other(a, c);
+        *next = {ab, corner, a, b};
+        next += ab < corner ? 1 : 0;
+        *next = {bc, corner, b, c};
+        next += bc < corner ? 1 : 0;
+        *next = {ca, corner, c, a};
+        next += ca < corner ? 1 : 0;
+    }
+    edges_.resize(static_cast<std::size_t>(next - edges_.data()));
+    faces_.assign(names_.size(), 0);
+    std::uint8_t* const faces = faces_.data();
+    for (const Edge& edge : edges_) faces[edge.left] = faces[edge.right] = 1;
+}
+
+bool RowPolytope::wrap_surely(std::size_t known) {
+    const int n = planes();
+    const std::size_t room = at(2 * n), padded = p_.padded;  // more corners than a polytope of n faces has
     seems_open_ = false;
+    edges_.clear();
     if (n < 4) return seems_open_ = true, false;
-    if (n > max_sure_planes) return false;
+    if (n > max_sure_planes || known > room) return false;
     tight_.clear();
-    faces_.assign(at(n), 0);
     std::array<int, 3> start{};
-    if (known.empty() && !guess_start(start)) {
+    if (known == 0 && !guess_start(start)) {
         corners_.clear();
-        edges_.clear();
         return seems_open_ = true, false;
     }
-    // More corners than a polytope of n faces has are never made.
-    const std::size_t room = at(2 * n), padded = p_.padded;
-    if (known.size() > room) return false;
-    corners_.resize(room);
-    constexpr std::uint32_t turn_step = 1 << 12;
-    static_assert(turn_step >= 2 * max_sure_planes);
-    pairs_turn_ += turn_step;
-    if (pairs_turn_ == 0) pairs_.clear(), pairs_turn_ = turn_step;
+    if (corners_.size() < room) corners_.resize(room);
+    if (waiting_.size() < 3 * room + 1) waiting_.resize(3 * room + 1);
+    static_assert(pair_step >= 2 * max_sure_planes);
+    pairs_turn_ += pair_step;
+    if (pairs_turn_ == 0) pairs_.clear(), pairs_turn_ = pair_step;
     if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), 0);
-    if (waiting_.size() < 3 * room) waiting_.resize(3 * room);
-    std::uint32_t* const pairs = pairs_.data();
-    const std::uint32_t turn = pairs_turn_;
-    Half* const halves = waiting_.data();
-    std::size_t corners = 0, waiting = 0;
+    std::size_t corners = known, waiting = 0;
     bool twice = false;
-    // Pairs of planes with an edge at a corner, in the order in which its polygons meet them.
-    const auto for_pairs = [&](std::size_t v, const auto& visit) {
-        const auto [a, b, c] = corners_[v].planes;
-        visit(a, b);
-        visit(b, c);
-        visit(c, a);
-    };
-    const auto is_free = [&](int f, int g) { return (pairs[f * n + g] ^ turn) >= turn_step; };
-    const auto join = [&](std::size_t v) {
-        for_pairs(v, [&](int f, int g) {
-            faces_[at(f)] = 1;
-            twice |= !is_free(f, g);
-            pairs[f * n + g] = turn | static_cast<std::uint32_t>(v);
-        });
-    };
-    // Which ends are missing is hard to foretell, so there is no branch.
-    const auto wait = [&](std::size_t v) {
-        for_pairs(v, [&](int f, int g) {
-            halves[waiting] = {static_cast<int>(v), f, g};
-            waiting += is_free(g, f) ? 1 : 0;
-        });
-    };
     // The first row is that of the known corner in question.
     const auto row = [&](std::size_t v) {
-        const std::size_t end = (v < known.size() ? 1 : v - known.size() + 2) * padded;
+        const std::size_t end = (v < known ? 1 : v - known + 2) * padded;
         if (inverses_.size() < end) inverses_.resize(2 * end);
         return &inverses_[end - padded];
     };
+    const auto is_free = [&](int f, int g) { return (pairs_[at(f * n + g)] ^ pairs_turn_) >= pair_step; };
     const auto add = [&](int a, int b, int c) {
         if (corners == room || !loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], row(corners)))
             return false;
-        join(corners);
-        wait(corners++);
+        for (const auto& [f, g] : {std::array{a, b}, {b, c}, {c, a}}) {
+            twice |= !is_free(f, g);
+            pairs_[at(f * n + g)] = pairs_turn_ | static_cast<std::uint32_t>(corners);
+            if (is_free(g, f)) waiting_[waiting++] = {static_cast<int>(corners), f, g};
+        }
+        ++corners;
         return !twice;
     };
     const auto wrap = [&] {
-        for (; corners < known.size(); ++corners) {
-            const KnownCorner& corner = known[corners];
-            const double reach = std::abs(corner.at[0]) + std::abs(corner.at[1]) + std::abs(corner.at[2]);
-            corners_[corners] = {corner.at, corner.error, corner.error + 0x1p-49 * reach, 0x1p-49, corner.planes};
-            join(corners);
-        }
-        if (twice) return false;
-        for (std::size_t v = 0; v < corners; ++v) wait(v);
-        if (known.empty() && !add(start[0], start[1], start[2])) return false;
+        take_known(known, waiting, twice);
+        if (twice || (known == 0 && !add(start[0], start[1], start[2]))) return false;
         while (waiting > 0) {
-            const auto [v, a, b] = halves[--waiting];
+            const auto [v, a, b] = waiting_[--waiting];
             if (!is_free(b, a)) continue;  // it has an end
             double* const inverses = row(at(v));
-            if (at(v) < known.size()) {
+            if (at(v) < known) {
                 loops_.inverses(p_, corners_[at(v)].at, inverses);
                 for (const int f : corners_[at(v)].planes) inverses[f] = 0;
             }
@@ -396,17 +419,8 @@ bool RowPolytope::wrap_surely(std::span<const KnownCorner> known) {
     };
     const bool sure = wrap();
     corners_.resize(corners);
-    edges_.resize(sure ? corners * 3 / 2 + 1 : 0);
-    if (!sure) return false;
-    std::size_t edges = 0;
-    for (std::size_t v = 0; v < corners; ++v)
-        for_pairs(v, [&](int f, int g) {
-            const std::uint32_t from = pairs[g * n + f] ^ turn;
-            edges_[edges] = {static_cast<int>(from), static_cast<int>(v), f, g};
-            edges += from < v ? 1 : 0;
-        });
-    edges_.resize(edges);
-    return true;
+    if (sure) make_edges();
+    return sure;
 }
 
 int RowPolytope::side(int v, const Name& name) {

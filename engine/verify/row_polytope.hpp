@@ -112,15 +112,14 @@ public:
     [[nodiscard]] bool wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
     // Returns the vertices of the last polygons, by corner.
     [[nodiscard]] std::span<const std::int32_t> vertices() const { return vertices_; }
-    // A corner whose planes are known, with a place and a bound on its error.
-    struct KnownCorner {
-        std::array<int, 3> planes;  // whose normals turn positively
-        Vector3 at;
-        double error;
-    };
-    // Tries sure signs alone. Returns false where they do not settle it. Known corners come first and are taken as they
-    // are; all others are proven to be corners of the polytope. Each edge of each corner has two ends.
-    [[nodiscard]] bool wrap_surely(std::span<const KnownCorner> known = {});
+    // Makes room for corners that are known: planes whose normals turn positively, a place, and a bound on its error.
+    [[nodiscard]] std::span<Corner> begin_known(std::size_t count) {
+        if (corners_.size() < count) corners_.resize(count);
+        return std::span(corners_).first(count);
+    }
+    // Tries sure signs alone. Returns false where they do not settle it. The first corners may be known, and are taken
+    // as they are; all others are proven to be corners of the polytope. Each edge of each corner has two ends.
+    [[nodiscard]] bool wrap_surely(std::size_t known = 0);
     // The last try met an edge without an end: planes are missing.
     [[nodiscard]] bool seems_open() const { return seems_open_; }
     [[nodiscard]] Shape wrap_exactly();
@@ -149,6 +148,12 @@ public:
     [[nodiscard]] int side(int corner, const Name& name);
     // Returns a bound on the distance of corners from the seed.
     [[nodiscard]] double reach() const;
+    // Returns twice the vector areas of all faces, seen from the seed: four numbers each, of which three count.
+    [[nodiscard]] std::span<const double> vector_areas(std::vector<double>& room) const {
+        room.assign(4 * names_.size(), 0);
+        loops_.add_areas(edges_, corners_.data(), {}, room.data());
+        return room;
+    }
     // Whether a plane surely lies farther from the seed than that.
     [[nodiscard]] static bool is_out_of_reach(const RoundedPlane& plane, double reach) {
         const double most = plane.length * reach;
@@ -198,10 +203,13 @@ private:
     // By planes a, b: the turn and the corner whose polygon in a goes on to b. Those of other turns are free.
     std::vector<std::uint32_t> pairs_;
     std::uint32_t pairs_turn_ = 0;
+    static constexpr std::uint32_t pair_step = 1 << 12;  // from turn to turn
     struct Half {
         int corner, a, b;
     };
     std::vector<Half> waiting_;
+    void take_known(std::size_t known, std::size_t& waiting, bool& twice);
+    void make_edges();
     std::vector<Fan> fans_;
     std::vector<std::int32_t> vertices_;
     // A hash table of vertices: the vertex (32 bits), the turn (20), the corner (12). Those of other turns are free.
