@@ -97,8 +97,8 @@ bool Certificate::is_live(std::int32_t id) const {
 void Certificate::prefetch(Prefetch what, std::size_t i) const {
     const std::span<const double> points = job_.points.f64;
     for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !points.empty(); ++e)
-        if (is_live(result_.indices[e])) {
-            const double* const seed = &points[3 * static_cast<std::size_t>(result_.indices[e])];
+        if (result_.indices[e] >= 0) {
+            const double* const seed = points.data() + 3 * static_cast<std::size_t>(result_.indices[e]);
             __builtin_prefetch(seed);
             __builtin_prefetch(seed + 2);
         }
@@ -198,16 +198,13 @@ void Certificate::check_cells() {
         w.handed.begin(order, ranks, begin, end);
         for (std::size_t k = begin; k < end; ++k) {
             if (k % cells_at_once == 0) check_stop();
-            if (k + 8 < end) {  // neighbors are those of cells before
-                const std::size_t i = at(order[k + 8]);
-                __builtin_prefetch(&rows_.indptr[i]);
-                __builtin_prefetch(job_.points.f64.data() + 3 * i);
-            }
+            if (k + 8 < end) __builtin_prefetch(&rows_.indptr[at(order[k + 8])]);
             if (k + 4 < end) {
                 const std::int32_t* const row = rows_.indices.data() + rows_.begin(at(order[k + 4]));
                 __builtin_prefetch(row);
                 __builtin_prefetch(row + 16);
             }
+            if (k + 2 < end) prefetch(Prefetch::seeds, at(order[k + 2]));
             check_cell(w, at(order[k]));
         }
     });
@@ -376,12 +373,25 @@ void Certificate::check_cell(Worker& w, std::size_t i) {
 bool Certificate::close_handed(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     const std::size_t listed = rows_.end(i) - rows_.begin(i);
-    const bool closed = w.handed.close(polytope, i, listed);
+    // Returns whether it found some, not too many.
+    const auto add_walls = [&](double reach) {
+        find_walls(w, i, reach);
+        if (w.walls.size() > max_near_walls) return false;
+        for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
+        return !w.walls.empty();
+    };
+    double far = 0;  // most walls that it reaches are nearer than some bisector
+    for (std::size_t f = 0; f < listed && !run_.settled.list_walls && !walls_.empty(); ++f)
+        far = std::max(far, 0.5 * polytope.arrays().length[f]);
+    if (far > 0) (void)add_walls(far);
+    bool closed = w.handed.close(polytope, i, listed);
     if (!closed && !polytope.seems_open()) return false;
-    find_walls(w, i, closed ? polytope.reach() : infinity);
-    if (w.walls.size() > max_near_walls) return false;
-    for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
-    if (w.walls.empty() ? !closed : !w.handed.close(polytope, i, listed)) return false;
+    w.extent = polytope.extent();
+    if (add_walls(closed ? w.extent.reach() : infinity)) {
+        closed = w.handed.close(polytope, i, listed);
+        w.extent = polytope.extent();
+    }
+    if (!closed || w.walls.size() > max_near_walls) return false;
     return check_faces(w, i, Shape::solid) && w.handed.hand_on(polytope);
 }
 
@@ -391,7 +401,7 @@ bool Certificate::wrap_row(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     w.has_polygons = wrap_polygons(w, i);
     const bool sure = w.has_polygons || polytope.wrap_surely();
-    find_walls(w, i, sure ? polytope.reach() : infinity);
+    find_walls(w, i, sure ? polytope.extent().reach() : infinity);
     const std::span<const Worker::UnlistedWall> walls = w.walls;
     std::size_t next = 0;
     const auto wrap = [&] {
@@ -401,7 +411,7 @@ bool Certificate::wrap_row(Worker& w, std::size_t i) {
     if (shape != Shape::solid) std::ranges::sort(w.walls, {}, &Worker::UnlistedWall::distance);
     for (std::size_t most = 12; next < walls.size() && shape != Shape::flat && shape != Shape::repeated; most *= 2) {
         const int before = polytope.planes();
-        const double reach = shape == Shape::solid ? polytope.reach() : infinity;
+        const double reach = shape == Shape::solid ? polytope.extent().reach() : infinity;
         for (std::size_t added = 0; next < walls.size() && added < most; ++next) {
             if (shape == Shape::solid && polytope.is_beyond(walls[next].plane, reach)) continue;
             polytope.add({walls[next].id, {}}, walls[next].plane);
@@ -465,7 +475,7 @@ void Certificate::find_walls(Worker& w, std::size_t i, double reach) const {
         const RoundedPlane plane = w.polytope.seen({id, {}});
         if (RowPolytope::is_out_of_reach(plane, reach)) continue;
         bool known = false;
-        for (int f = 0; f < w.polytope.planes() && w.polytope.name(f).id < 0; ++f) known |= w.polytope.name(f).id == id;
+        for (const Name& name : w.polytope.names()) known |= name.id == id;
         if (!known) w.walls.push_back({id, plane.d / plane.length, plane});
     }
 }
@@ -558,13 +568,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
 void Certificate::measure_handed(Worker& w, std::size_t i) {
     const RowPolytope& polytope = w.polytope;
     const PlaneArrays& p = polytope.arrays();
-    double nearest = infinity, farthest = 0, error = 0;
-    for (const RowPolytope::Corner& corner : polytope.corners()) {
-        const double square = dot(corner.at, corner.at);
-        nearest = square < nearest ? square : nearest;
-        farthest = square > farthest ? square : farthest;
-        error = corner.error > error ? corner.error : error;
-    }
+    const auto& [nearest, farthest, error] = w.extent;
     bool inside = true;
     for (std::size_t f = 0; f < p.count; ++f) inside = inside && p.d[f] > 0;
     constexpr double precise = 0x1p-36;

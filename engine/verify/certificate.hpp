@@ -84,6 +84,7 @@ private:
         SharedCorners shared;
         HandedCorners handed;
         RowPolytope::Measures measures;
+        RowPolytope::Extent extent;  // of handed corners
         std::vector<std::uint64_t> sums;  // of names of corners, by bucket
         std::uint64_t polygons = 0;       // sum over both sides of all faces
         double volume = 0, doubt = 0;

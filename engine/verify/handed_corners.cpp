@@ -38,13 +38,17 @@ void HandedCorners::look_around(const RowPolytope& polytope, std::uint32_t cell)
 bool HandedCorners::take_handed(RowPolytope& polytope, std::uint32_t cell) {
     const PlaneArrays& p = polytope.arrays();
     const std::span<RowPolytope::Corner> corners = polytope.begin_known(at(2 * polytope.planes()));
-    std::size_t handed = 0;
+    done_.resize(corners.size() + 1);
+    std::uint32_t* const done = done_.data();
+    std::size_t handed = 0, freed = 0;
     const bool taken = for_handed(cell, [&](const Found& found, std::size_t k) {
         const std::array<std::uint32_t, 3> others = found.seen_from(k);
         const Cell &a = cells_[others[0]], &b = cells_[others[1]], &c = cells_[others[2]];
         const std::size_t from = cells_[found.cells[0]].plane;
         if (((a.seen_by ^ cell) | (b.seen_by ^ cell) | (c.seen_by ^ cell)) != 0 || handed == corners.size())
             return false;
+        done[freed] = static_cast<std::uint32_t>(&found - found_.data());
+        freed += found.last_cell() == cell ? 1 : 0;
         RowPolytope::Corner& corner = corners[handed++];
         const double x = found.at[0] + p.nx[from], y = found.at[1] + p.ny[from], z = found.at[2] + p.nz[from],
                      reach = std::abs(x) + std::abs(y) + std::abs(z),
@@ -55,12 +59,16 @@ bool HandedCorners::take_handed(RowPolytope& polytope, std::uint32_t cell) {
         return true;
     });
     handed_ = handed;
+    done_.resize(freed);
     return taken;
 }
 
 bool HandedCorners::has_one_top(const RowPolytope& polytope, std::size_t direction) {
     normals_.resize(at(polytope.planes()));
-    for (std::size_t f = 0; f < normals_.size(); ++f) normals_[f] = seen_along(polytope.arrays(), f, direction);
+    for (std::size_t f = 0; f < normals_.size(); ++f) {
+        const SeenNormal seen = seen_along(polytope.arrays(), f, direction);
+        normals_[f].across = seen.across, normals_[f].along = seen.along;
+    }
     int tops = 0;
     for (const RowPolytope::Corner& corner : polytope.corners()) {
         const auto& [a, b, c] = corner.planes;
@@ -115,7 +123,8 @@ bool HandedCorners::hand_on(const RowPolytope& polytope) {
         else
             new_.push_back(static_cast<int>(v));
     }
-    forget_handed(cell_);
+    free_found_.insert(free_found_.end(), done_.begin(), done_.end());
+    free_pieces_of(cell_);
     for (const int v : new_) {
         const RowPolytope::Corner& corner = corners[at(v)];
         const auto& [a, b, c] = corner.planes;
@@ -148,12 +157,7 @@ void HandedCorners::hand(std::uint32_t cell, std::uint32_t link) {
     links_[end++] = link;
 }
 
-void HandedCorners::forget_handed(std::uint32_t cell) {
-    for_handed(cell, [&](const Found& found, std::size_t) {
-        if (std::max({found.cells[1], found.cells[2], found.cells[3]}) == cell)
-            free_found_.push_back(static_cast<std::uint32_t>(&found - found_.data()));
-        return true;
-    });
+void HandedCorners::free_pieces_of(std::uint32_t cell) {
     std::uint32_t& end = cells_[cell].end;
     for (; end > last; end = links_[end | last] + last) free_pieces_.push_back(end & ~last);
 }

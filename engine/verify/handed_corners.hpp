@@ -16,6 +16,7 @@
 // Of a cell that is left, the whole polytope is found within the walls. The order counts for nothing but speed.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -45,11 +46,12 @@ public:
     void leave(std::size_t seed, const Visit& visit) {
         const std::uint32_t cell = local(static_cast<std::int32_t>(seed));
         for_handed(cell, [&](const Found& found, std::size_t k) {
+            if (found.last_cell() == cell) free_found_.push_back(static_cast<std::uint32_t>(&found - found_.data()));
             const std::array<std::uint32_t, 3> others = found.seen_from(k);
             visit(std::array{order_[others[0]], order_[others[1]], order_[others[2]]});
             return true;
         });
-        forget_handed(cell);
+        free_pieces_of(cell);
         cells_[cell].left = true;
     }
 
@@ -58,11 +60,14 @@ private:
         std::array<std::uint32_t, 4> cells;  // numbers in the block; the first one found it
         Vector3 at;                          // seen from the first
         double error;
-        // Returns the other cells in the order in which their normals turn positively in cell k.
+        // Returns the other cells in the order in which their normals turn positively in cell k. k is hard to foretell,
+        // so there is no branch.
         [[nodiscard]] std::array<std::uint32_t, 3> seen_from(std::size_t k) const {
-            const auto& [a, b, c, d] = cells;
-            return k == 1 ? std::array{a, d, c} : k == 2 ? std::array{b, d, a} : std::array{c, b, a};
+            static constexpr std::array<std::array<std::uint8_t, 3>, 4> others{
+                {{1, 2, 3}, {0, 3, 2}, {1, 3, 0}, {2, 1, 0}}};
+            return {cells[others[k][0]], cells[others[k][1]], cells[others[k][2]]};
         }
+        [[nodiscard]] std::uint32_t last_cell() const { return std::max({cells[1], cells[2], cells[3]}); }
     };
     // Corners handed to cells: of each the number of the corner, four times, and that of the cell there. They lie in
     // pieces of 16, of which the last place names the piece before. Piece 0 is full and stands for none.
@@ -90,7 +95,7 @@ private:
     [[nodiscard]] bool take_handed(RowPolytope& polytope, std::uint32_t cell);
     [[nodiscard]] bool has_one_top(const RowPolytope& polytope, std::size_t direction);
     [[nodiscard]] bool check_edges(RowPolytope& polytope);
-    void forget_handed(std::uint32_t cell);
+    void free_pieces_of(std::uint32_t cell);
 
     void hand(std::uint32_t cell, std::uint32_t link);
 
@@ -100,6 +105,7 @@ private:
     std::vector<Found> found_;
     std::vector<std::uint32_t> links_;
     std::vector<std::uint32_t> free_found_, free_pieces_;  // that no cell waits for
+    std::vector<std::uint32_t> done_;  // corners for which no cell waits after this one
     std::vector<Side> sides_;                              // by plane
     std::vector<std::uint32_t> locals_;                    // by plane, of cells in the block
     std::vector<SeenNormal> normals_;

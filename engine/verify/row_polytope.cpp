@@ -55,12 +55,14 @@ bool RowPolytope::add_seeds(std::span<const std::int32_t> ids) {
     if (unit_ != 1 || !planes_.are_inside()) return false;
     const std::size_t first = p_.append(ids.size());
     const exact::Point from = planes_.seed(seed_);
+    names_.resize(first + ids.size(), {});
+    Name* const names = &names_[first];
     for (std::size_t k = 0; k < ids.size(); ++k) {
         const auto j = static_cast<std::size_t>(ids[k]);
         const Vector3 n = minus(planes_.seed(j), from);
         p_.nx[first + k] = n[0], p_.ny[first + k] = n[1], p_.nz[first + k] = n[2];
         p_.power[first + k] = planes_.power(seed_, j);
-        names_.push_back({ids[k], {}});
+        names[k].id = ids[k];
     }
     loops_.complete(p_, first);
     if (std::ranges::find(std::span(p_.length).subspan(first, ids.size()), 0.0) ==
@@ -438,15 +440,20 @@ int RowPolytope::side(int v, const Name& name) {
                                  planes_.plane(seed_, name.id, name.shift));
 }
 
-double RowPolytope::reach() const {
-    double square = 0, errors = 0;
+RowPolytope::Extent RowPolytope::extent() const {
+    Extent e;
     for (const Corner& corner : corners_) {
-        const double own = dot(corner.at, corner.at);
-        if (!(own <= 1 / filter_underflow)) return infinity;
-        square = std::max(square, own);
-        errors += corner.error;
+        const double square = dot(corner.at, corner.at);
+        e.nearest = square < e.nearest ? square : e.nearest;
+        e.farthest = square <= e.farthest ? e.farthest : square;  // which may be NaN
+        e.error = corner.error <= e.error ? e.error : corner.error;
     }
-    return square > filter_underflow ? std::sqrt(square) * (1 + 0x1p-50) + errors : infinity;
+    return e;
+}
+
+double RowPolytope::Extent::reach() const {
+    const bool is_usual = farthest > filter_underflow && farthest <= 1 / filter_underflow && error < infinity;
+    return is_usual ? std::sqrt(farthest) * (1 + 0x1p-50) + error : infinity;
 }
 
 bool RowPolytope::is_beyond(const RoundedPlane& plane, double reach) const {

@@ -25,6 +25,7 @@
 #include <span>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "core/vector3.hpp"
 #include "verify/plane_loops.hpp"
 #include "verify/seed_planes.hpp"
@@ -146,8 +147,12 @@ public:
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
     // Returns +1 if the corner lies strictly outside a plane, -1 if strictly inside, 0 if on it.
     [[nodiscard]] int side(int corner, const Name& name);
-    // Returns a bound on the distance of corners from the seed.
-    [[nodiscard]] double reach() const;
+    struct Extent {  // of the corners: squared distances from the seed, the largest error
+        double nearest = infinity, farthest = 0, error = 0;
+        // Returns a bound on the distances.
+        [[nodiscard]] double reach() const;
+    };
+    [[nodiscard]] Extent extent() const;
     // Returns twice the vector areas of all faces, seen from the seed: four numbers each, of which three count.
     [[nodiscard]] std::span<const double> vector_areas(std::vector<double>& room) const {
         room.assign(4 * names_.size(), 0);

@@ -74,7 +74,7 @@ struct SeenNormal {
 [[nodiscard]] inline int top_of(const SeenNormal& a, const SeenNormal& b, const SeenNormal& c) {
     const double ab = a.across * b.along - a.along * b.across, bc = b.across * c.along - b.along * c.across,
                  ca = c.across * a.along - c.along * a.across, low = ab < bc ? ab : bc, least = low < ca ? low : ca;
-    return least < -filter_bound ? 0 : least > filter_bound ? 1 : 2;
+    return 2 - 2 * static_cast<int>(least < -filter_bound) - static_cast<int>(least > filter_bound);
 }
 
 class SharedCorners {
