@@ -204,7 +204,14 @@ void Certificate::check_cells() {
                 __builtin_prefetch(row);
                 __builtin_prefetch(row + 16);
             }
-            if (k + 2 < end) prefetch(Prefetch::seeds, at(order[k + 2]));
+            if (k + 2 < end) {
+                const std::size_t i = at(order[k + 2]);
+                prefetch(Prefetch::seeds, i);
+                for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
+                    if (rows_.indices[e] >= 0) __builtin_prefetch(ranks.data() + rows_.indices[e]);
+                w.handed.prefetch_list(k + 2 - begin);
+            }
+            if (k + 1 < end) w.handed.prefetch_corners(k + 1 - begin);
             check_cell(w, at(order[k]));
         }
     });

@@ -316,7 +316,7 @@ void RowPolytope::take_known(std::size_t known, std::size_t& waiting, bool& twic
     std::uint32_t* const pairs = pairs_.data();
     std::uint32_t nearest = pair_step;
     for (std::size_t v = 0; v < known; ++v) {
-        const auto [a, b, c] = corners_[v].planes;
+        const int a = corners_[v].planes[0], b = corners_[v].planes[1], c = corners_[v].planes[2];
         std::uint32_t &ab = pairs[a * n + b], &bc = pairs[b * n + c], &ca = pairs[c * n + a];
         nearest = std::min({nearest, ab ^ turn, bc ^ turn, ca ^ turn});
         ab = bc = ca = turn | static_cast<std::uint32_t>(v);
@@ -325,7 +325,7 @@ void RowPolytope::take_known(std::size_t known, std::size_t& waiting, bool& twic
     // Which ends are missing is hard to foretell, so there is no branch.
     Half* next = waiting_.data();
     for (std::size_t v = 0; v < known; ++v) {
-        const auto [a, b, c] = corners_[v].planes;
+        const int a = corners_[v].planes[0], b = corners_[v].planes[1], c = corners_[v].planes[2];
         const int corner = static_cast<int>(v);
         const auto is_free = [&](int f, int g) { return (pairs[f * n + g] ^ turn) >= pair_step ? 1 : 0; };
         *next = {corner, a, b};
@@ -346,7 +346,7 @@ void RowPolytope::make_edges() {
     edges_.resize(corners_.size() * 3 / 2 + 1);
     Edge* next = edges_.data();
     for (std::size_t v = 0; v < corners_.size(); ++v) {
-        const auto [a, b, c] = corners_[v].planes;
+        const int a = corners_[v].planes[0], b = corners_[v].planes[1], c = corners_[v].planes[2];
         const int corner = static_cast<int>(v);
         const auto other = [&](int f, int g) { return static_cast<int>(pairs[f * n + g] ^ turn); };
         const int ab = other(b, a), bc = other(c, b), ca = other(a, c);
@@ -406,7 +406,8 @@ bool RowPolytope::wrap_surely(std::size_t known) {
         take_known(known, waiting, twice);
         if (twice || (known == 0 && !add(start[0], start[1], start[2]))) return false;
         while (waiting > 0) {
-            const auto [v, a, b] = waiting_[--waiting];
+            const Half& half = waiting_[--waiting];
+            const int v = half.corner, a = half.a, b = half.b;  // one by one, as they were stored
             if (!is_free(b, a)) continue;  // it has an end
             double* const inverses = row(at(v));
             if (at(v) < known) {
