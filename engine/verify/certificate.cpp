@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/at.hpp"
+#include "core/buffer.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "index/sort.hpp"
@@ -55,7 +56,9 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
       rows_{result.indptr, result.indices, result.shifts},
       planes_(job),
       unscale_(1 / job.scale),
+      live_(result.status.size()),
       pool_(0) {
+    for (std::size_t i = 0; i < live_.size(); ++i) live_[i] = result.status[i] == CellStatus::certified;
     detail::for_arrays([&](const auto& array) {
         using Value = std::remove_cvref_t<decltype(array.of(result)[0])>;
         has_places_ =
@@ -89,7 +92,7 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
 
 bool Certificate::is_live(std::int32_t id) const {
     const auto i = static_cast<std::size_t>(id);
-    return id >= 0 && i < result_.status.size() && result_.status[i] == CellStatus::certified;
+    return id >= 0 && i < result_.status.size() && live_[i];
 }
 
 // Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere. Inline, since compilers
@@ -170,12 +173,8 @@ std::vector<std::int32_t> Certificate::order_in_space() {
     cpu::SeedSorter sorter;
     cpu::sort_inside(job_.points, job_.scale, 0, job_.outside, sorter, pool_, sorted);
     std::vector<std::int32_t> order;
-    std::vector<bool> waits(result_.status.size());
-    std::size_t live = 0;
-    for (std::size_t i = 0; i < waits.size(); ++i) {
-        waits[i] = result_.status[i] == CellStatus::certified;
-        live += waits[i] ? 1 : 0;
-    }
+    std::vector<bool> waits = live_;
+    const auto live = static_cast<std::size_t>(std::ranges::count(waits, true));
     order.reserve(live);
     const auto add = [&](std::int32_t id) {
         if (waits[at(id)]) order.push_back(id);
@@ -188,7 +187,9 @@ std::vector<std::int32_t> Certificate::order_in_space() {
 
 void Certificate::check_cells() {
     const std::vector<std::int32_t> order = order_in_space();
-    std::vector<std::int32_t> ranks(result_.status.size(), -1);
+    Buffer<std::int32_t> ranks{Buffer<std::int32_t>::Pages::huge};
+    ranks.resize_uninitialized(result_.status.size());
+    std::ranges::fill(ranks, -1);
     for (std::size_t k = 0; k < order.size(); ++k) ranks[at(order[k])] = static_cast<std::int32_t>(k);
     const std::size_t per_block =
         std::clamp(order.size() / (workers_.size() == 1 ? 1 : 4 * workers_.size()) + 1, cells_at_once, cells_of_block);
@@ -208,10 +209,9 @@ void Certificate::check_cells() {
                 const std::size_t i = at(order[k + 2]);
                 prefetch(Prefetch::seeds, i);
                 for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
-                    if (rows_.indices[e] >= 0) __builtin_prefetch(ranks.data() + rows_.indices[e]);
-                w.handed.prefetch_list(k + 2 - begin);
+                    if (rows_.indices[e] >= 0) __builtin_prefetch(&ranks[at(rows_.indices[e])]);
+                w.handed.prefetch(k + 2 - begin);
             }
-            if (k + 1 < end) w.handed.prefetch_corners(k + 1 - begin);
             check_cell(w, at(order[k]));
         }
     });

@@ -174,6 +174,7 @@ private:
     Rows rows_;
     SeedPlanes planes_;
     double unscale_;
+    std::vector<bool> live_;
     struct NearWall {  // with an outward normal of length 1; an offset of -infinity is not known
         std::int32_t id;
         Vector3 normal;

@@ -39,10 +39,13 @@ public:
     [[nodiscard]] bool close(RowPolytope& polytope, std::size_t seed, std::size_t faces);
     // Hands the new corners of that cell on. Returns false where an earlier cell lacks one.
     [[nodiscard]] bool hand_on(const RowPolytope& polytope);
-    // Brings what a later cell of the block needs into the cache: first where its corners are, then these.
-    void prefetch_list(std::size_t cell) const { __builtin_prefetch(&links_[cells_[cell].end & ~last]); }
-    void prefetch_corners(std::size_t cell) const {
-        for (std::uint32_t end = cells_[cell].end, k = end & ~last; k < end && end > last; ++k)
+    // Brings into the cache what a cell of the block needs soon.
+    void prefetch(std::size_t next) const {
+        const std::uint32_t end = cells_[next].end, begin = end & ~last;
+        if (end == last) return;
+        for (std::uint32_t k = begin; k < end; ++k) __builtin_prefetch(&found_[links_[k] >> 2]);
+        const std::uint32_t before = links_[begin + last];
+        for (std::uint32_t k = before; k < before + last && before > 0; ++k)
             __builtin_prefetch(&found_[links_[k] >> 2]);
     }
     // The corners of the cell that it must name.
