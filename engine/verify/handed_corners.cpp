@@ -79,20 +79,16 @@ bool HandedCorners::has_one_top(const RowPolytope& polytope, std::size_t directi
 
 // D
 bool HandedCorners::check_edges(RowPolytope& polytope) {
-    const std::span<const RowPolytope::Edge> edges = polytope.edges();
-    const int handed = static_cast<int>(handed_);
+    const std::span<const RowPolytope::Edge> edges = polytope.known_edges();
     // Which edges these are is hard to foretell, so there is no branch.
     to_compare_.resize(edges.size() + 1);
-    std::size_t count = 0;
+    int* next = to_compare_.data();
+    const Side* const sides = sides_.data();
     for (std::size_t e = 0; e < edges.size(); ++e) {
-        const RowPolytope::Edge& edge = edges[e];
-        to_compare_[count] = static_cast<int>(e);
-        count += (edge.from < handed) & (edge.to < handed) & (sides_[at(edge.left)] != Side::earlier) &
-                         (sides_[at(edge.right)] != Side::earlier)
-                     ? 1
-                     : 0;
+        *next = static_cast<int>(e);
+        next += (sides[edges[e].left] != Side::earlier) & (sides[edges[e].right] != Side::earlier) ? 1 : 0;
     }
-    return std::all_of(to_compare_.begin(), to_compare_.begin() + static_cast<std::ptrdiff_t>(count), [&](int e) {
+    return std::all_of(to_compare_.data(), next, [&](int e) {
         const RowPolytope::Edge& edge = edges[at(e)];
         const auto& [a, b, c] = polytope.corners()[at(edge.to)].planes;
         return polytope.is_inside(edge.from, a + b + c - edge.left - edge.right);

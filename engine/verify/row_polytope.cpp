@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -309,81 +310,65 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
     return true;
 }
 
-// Joins known corners, and lists the edges among theirs that have no end yet.
-void RowPolytope::take_known(std::size_t known, std::size_t& waiting, bool& twice) {
+// Joins known corners. Lists their edges, and those that have one end yet. Returns false if an edge has three.
+bool RowPolytope::take_known(std::size_t known, std::size_t& waiting, std::size_t& edges) {
     const int n = planes();
     const std::uint32_t turn = pairs_turn_;
     std::uint32_t* const pairs = pairs_.data();
+    const Corner* const corners = corners_.data();
     std::uint32_t nearest = pair_step;
     for (std::size_t v = 0; v < known; ++v) {
-        const int a = corners_[v].planes[0], b = corners_[v].planes[1], c = corners_[v].planes[2];
+        const int a = corners[v].planes[0], b = corners[v].planes[1], c = corners[v].planes[2];
         std::uint32_t &ab = pairs[a * n + b], &bc = pairs[b * n + c], &ca = pairs[c * n + a];
         nearest = std::min({nearest, ab ^ turn, bc ^ turn, ca ^ turn});
         ab = bc = ca = turn | static_cast<std::uint32_t>(v);
     }
-    twice = nearest < pair_step;
-    // Which ends are missing is hard to foretell, so there is no branch.
-    Half* next = waiting_.data();
+    // Which ends are missing is hard to foretell, so there is no branch. The ends of an edge are two numbers in a row.
+    Half* half = waiting_.data();
+    Edge* edge = edges_.data();
+    const auto both = [](int first, int second) { return std::bit_cast<std::uint64_t>(std::array{first, second}); };
+    const auto add = [&](int v, int f, int g) {
+        const std::uint32_t other = pairs[g * n + f] ^ turn;
+        half->corner = v, half->a = f, half->b = g;
+        half += other >= pair_step ? 1 : 0;
+        const std::array<std::uint64_t, 2> values{both(static_cast<int>(other), v), both(f, g)};
+        static_assert(sizeof values == sizeof(Edge));
+        std::memcpy(edge, &values[0], sizeof values[0]);
+        std::memcpy(&edge->left, &values[1], sizeof values[1]);
+        edge += other < static_cast<std::uint32_t>(v) ? 1 : 0;
+    };
     for (std::size_t v = 0; v < known; ++v) {
-        const int a = corners_[v].planes[0], b = corners_[v].planes[1], c = corners_[v].planes[2];
-        const int corner = static_cast<int>(v);
-        const auto is_free = [&](int f, int g) { return (pairs[f * n + g] ^ turn) >= pair_step ? 1 : 0; };
-        *next = {corner, a, b};
-        next += is_free(b, a);
-        *next = {corner, b, c};
-        next += is_free(c, b);
-        *next = {corner, c, a};
-        next += is_free(a, c);
+        const int a = corners[v].planes[0], b = corners[v].planes[1], c = corners[v].planes[2];
+        add(static_cast<int>(v), a, b);
+        add(static_cast<int>(v), b, c);
+        add(static_cast<int>(v), c, a);
     }
-    waiting = static_cast<std::size_t>(next - waiting_.data());
-}
-
-// Each edge of each corner has an end.
-void RowPolytope::make_edges() {
-    const int n = planes();
-    const std::uint32_t turn = pairs_turn_;
-    const std::uint32_t* const pairs = pairs_.data();
-    edges_.resize(corners_.size() * 3 / 2 + 1);
-    Edge* next = edges_.data();
-    for (std::size_t v = 0; v < corners_.size(); ++v) {
-        const int a = corners_[v].planes[0], b = corners_[v].planes[1], c = corners_[v].planes[2];
-        const int corner = static_cast<int>(v);
-        const auto other = [&](int f, int g) { return static_cast<int>(pairs[f * n + g] ^ turn); };
-        const int ab = other(b, a), bc = other(c, b), ca = other(a, c);
-        *next = {ab, corner, a, b};
-        next += ab < corner ? 1 : 0;
-        *next = {bc, corner, b, c};
-        next += bc < corner ? 1 : 0;
-        *next = {ca, corner, c, a};
-        next += ca < corner ? 1 : 0;
-    }
-    edges_.resize(static_cast<std::size_t>(next - edges_.data()));
-    faces_.assign(names_.size(), 0);
-    std::uint8_t* const faces = faces_.data();
-    for (const Edge& edge : edges_) faces[edge.left] = faces[edge.right] = 1;
+    waiting = static_cast<std::size_t>(half - waiting_.data());
+    edges = known_edges_ = static_cast<std::size_t>(edge - edges_.data());
+    return nearest >= pair_step;
 }
 
 bool RowPolytope::wrap_surely(std::size_t known) {
     const int n = planes();
     const std::size_t room = at(2 * n), padded = p_.padded;  // more corners than a polytope of n faces has
     seems_open_ = false;
-    edges_.clear();
     if (n < 4) return seems_open_ = true, false;
     if (n > max_sure_planes || known > room) return false;
     tight_.clear();
     std::array<int, 3> start{};
     if (known == 0 && !guess_start(start)) {
         corners_.clear();
+        edges_.clear();
         return seems_open_ = true, false;
     }
     if (corners_.size() < room) corners_.resize(room);
+    if (edges_.size() < 3 * room + 1) edges_.resize(3 * room + 1);
     if (waiting_.size() < 3 * room + 1) waiting_.resize(3 * room + 1);
     static_assert(pair_step >= 2 * max_sure_planes);
     pairs_turn_ += pair_step;
     if (pairs_turn_ == 0) pairs_.clear(), pairs_turn_ = pair_step;
     if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), 0);
-    std::size_t corners = known, waiting = 0;
-    bool twice = false;
+    std::size_t corners = known, waiting = 0, edges = 0;
     // The first row is that of the known corner in question.
     const auto row = [&](std::size_t v) {
         const std::size_t end = (v < known ? 1 : v - known + 2) * padded;
@@ -394,17 +379,20 @@ bool RowPolytope::wrap_surely(std::size_t known) {
     const auto add = [&](int a, int b, int c) {
         if (corners == room || !loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], row(corners)))
             return false;
+        const int v = static_cast<int>(corners++);
         for (const auto& [f, g] : {std::array{a, b}, {b, c}, {c, a}}) {
-            twice |= !is_free(f, g);
-            pairs_[at(f * n + g)] = pairs_turn_ | static_cast<std::uint32_t>(corners);
-            if (is_free(g, f)) waiting_[waiting++] = {static_cast<int>(corners), f, g};
+            if (!is_free(f, g)) return false;
+            pairs_[at(f * n + g)] = pairs_turn_ | static_cast<std::uint32_t>(v);
+            if (is_free(g, f))
+                waiting_[waiting++] = {v, f, g};
+            else
+                edges_[edges++] = {static_cast<int>(pairs_[at(g * n + f)] ^ pairs_turn_), v, f, g};
         }
-        ++corners;
-        return !twice;
+        return true;
     };
     const auto wrap = [&] {
-        take_known(known, waiting, twice);
-        if (twice || (known == 0 && !add(start[0], start[1], start[2]))) return false;
+        if (!take_known(known, waiting, edges)) return false;
+        if (known == 0 && !add(start[0], start[1], start[2])) return false;
         while (waiting > 0) {
             const Half& half = waiting_[--waiting];
             const int v = half.corner, a = half.a, b = half.b;  // one by one, as they were stored
@@ -422,7 +410,10 @@ bool RowPolytope::wrap_surely(std::size_t known) {
     };
     const bool sure = wrap();
     corners_.resize(corners);
-    if (sure) make_edges();
+    edges_.resize(edges);
+    faces_.assign(at(n), 0);
+    std::uint8_t* const faces = faces_.data();
+    for (const Edge& edge : edges_) faces[edge.left] = faces[edge.right] = 1;
     return sure;
 }
 

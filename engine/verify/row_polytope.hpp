@@ -119,8 +119,10 @@ public:
         return std::span(corners_).first(count);
     }
     // Tries sure signs alone. Returns false where they do not settle it. The first corners may be known, and are taken
-    // as they are; all others are proven to be corners of the polytope. Each edge of each corner has two ends.
+    // as they are; all others are proven to be corners of the polytope. Each edge of each corner has two ends. Those
+    // between known corners come first.
     [[nodiscard]] bool wrap_surely(std::size_t known = 0);
+    [[nodiscard]] std::span<const Edge> known_edges() const { return std::span(edges_).first(known_edges_); }
     // The last try met an edge without an end: planes are missing.
     [[nodiscard]] bool seems_open() const { return seems_open_; }
     [[nodiscard]] Shape wrap_exactly();
@@ -204,6 +206,7 @@ private:
     std::vector<exact::Plane> sources_;  // made when needed
     std::vector<Corner> corners_;
     std::vector<Edge> edges_;
+    std::size_t known_edges_ = 0;
     std::vector<std::uint8_t> faces_;
     // By planes a, b: the turn and the corner whose polygon in a goes on to b. Those of other turns are free.
     std::vector<std::uint32_t> pairs_;
@@ -213,8 +216,7 @@ private:
         int corner, a, b;
     };
     std::vector<Half> waiting_;
-    void take_known(std::size_t known, std::size_t& waiting, bool& twice);
-    void make_edges();
+    [[nodiscard]] bool take_known(std::size_t known, std::size_t& waiting, std::size_t& edges);
     std::vector<Fan> fans_;
     std::vector<std::int32_t> vertices_;
     // A hash table of vertices: the vertex (32 bits), the turn (20), the corner (12). Those of other turns are free.
