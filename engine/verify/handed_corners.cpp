@@ -64,15 +64,19 @@ bool HandedCorners::take_handed(RowPolytope& polytope, std::uint32_t cell) {
 }
 
 bool HandedCorners::has_one_top(const RowPolytope& polytope, std::size_t direction) {
-    normals_.resize(at(polytope.planes()));
-    for (std::size_t f = 0; f < normals_.size(); ++f) {
-        const SeenNormal seen = seen_along(polytope.arrays(), f, direction);
-        normals_[f].across = seen.across, normals_[f].along = seen.along;
+    const PlaneArrays& p = polytope.arrays();
+    across_.resize(p.count);
+    along_.resize(p.count);
+    double *const across = across_.data(), *const along = along_.data();
+    for (std::size_t f = 0; f < p.count; ++f) {
+        const SeenNormal seen = seen_along(p, f, direction);
+        across[f] = seen.across;
+        along[f] = seen.along;
     }
     int tops = 0;
     for (const RowPolytope::Corner& corner : polytope.corners()) {
         const auto& [a, b, c] = corner.planes;
-        tops += top_of(normals_[at(a)], normals_[at(b)], normals_[at(c)]);
+        tops += top_of({across[a], along[a]}, {across[b], along[b]}, {across[c], along[c]});
     }
     return tops == 1;
 }
@@ -131,9 +135,11 @@ bool HandedCorners::hand_on(const RowPolytope& polytope) {
         const std::uint32_t n = free_found_.back();
         free_found_.pop_back();
         Found& found = found_[n];
-        found.cells = {cell_, locals_[at(a)], locals_[at(b)], locals_[at(c)]};
-        found.at = corner.at, found.error = corner.error;
-        for (std::uint32_t k = 1; k < 4; ++k) hand(found.cells[k], 4 * n + k);
+        const std::array cells{cell_, locals_[at(a)], locals_[at(b)], locals_[at(c)]};
+        found.cells = cells, found.at = corner.at, found.error = corner.error;
+        hand(cells[1], 4 * n + 1);
+        hand(cells[2], 4 * n + 2);
+        hand(cells[3], 4 * n + 3);
     }
     return true;
 }

@@ -362,7 +362,7 @@ bool RowPolytope::wrap_surely(std::size_t known) {
         return seems_open_ = true, false;
     }
     if (corners_.size() < room) corners_.resize(room);
-    if (edges_.size() < 3 * room + 1) edges_.resize(3 * room + 1);
+    if (edges_.size() < room + room / 2 + 1) edges_.resize(room + room / 2 + 1);
     if (waiting_.size() < 3 * room + 1) waiting_.resize(3 * room + 1);
     static_assert(pair_step >= 2 * max_sure_planes);
     pairs_turn_ += pair_step;
