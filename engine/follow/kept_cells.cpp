@@ -509,6 +509,9 @@ void KeptCells::test(ThreadPool& pool) {
         const Range range{task * length, std::min(count_, (task + 1) * length)};
         for (std::size_t s = range.begin; s < range.end; ++s) {
             if (s % cells_per_check == 0) check_stop();
+            if (s + 2 < range.end && cells_[s + 2] != nullptr)
+                for (const std::int32_t id : this->cell(s + 2).ids())
+                    __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(id, 0))]);
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));
