@@ -26,6 +26,9 @@
 // asked in exact signs: does a plane of row j cut the corner off (check_corner())? If none does, P_j has it. A wrong
 // diagram passes with a probability of 2^-64 or less for each sum.
 //
+// Rows name no corners. Each corner is then searched in one cell, which hands it on to the others, see
+// handed_corners.hpp: such a corner needs no name. A cell for which that fails is made from its planes alone.
+//
 // Polygons of a result name the corners of its cells, which saves the search for them. prove_shared() then proves each
 // corner and edge in one of its cells, see shared_corners.hpp, but only where all cells have three planes at each
 // corner. Otherwise RowPolytope::wrap_polygons() proves each corner by the signs above, and cells with more than three
@@ -84,7 +87,7 @@ private:
         SharedCorners shared;
         HandedCorners handed;
         RowPolytope::Measures measures;
-        RowPolytope::Extent extent;  // of handed corners
+        RowPolytope::Extent extent;       // of handed corners
         std::vector<std::uint64_t> sums;  // of names of corners, by bucket
         std::uint64_t polygons = 0;       // sum over both sides of all faces
         double volume = 0, doubt = 0;

@@ -114,12 +114,12 @@ private:
     std::vector<Found> found_;
     std::vector<std::uint32_t> links_;
     std::vector<std::uint32_t> free_found_, free_pieces_;  // that no cell waits for
-    std::vector<std::uint32_t> done_;  // corners for which no cell waits after this one
+    std::vector<std::uint32_t> done_;                      // corners for which no cell waits after this one
     std::vector<Side> sides_;                              // by plane
     std::vector<std::uint32_t> locals_;                    // by plane, of cells in the block
-    std::vector<double> across_, along_;  // by plane, of SeenNormal
-    std::size_t handed_ = 0;  // corners to the cell, its first ones
-    std::vector<int> to_compare_, new_, to_name_;  // edges, corners of the polytope
+    std::vector<double> across_, along_;                   // by plane, of SeenNormal
+    std::size_t handed_ = 0;                               // corners to the cell, its first ones
+    std::vector<int> to_compare_, new_, to_name_;          // edges, corners of the polytope
     std::uint32_t cell_ = 0;
 };
 

@@ -396,7 +396,7 @@ bool RowPolytope::wrap_surely(std::size_t known) {
         while (waiting > 0) {
             const Half& half = waiting_[--waiting];
             const int v = half.corner, a = half.a, b = half.b;  // one by one, as they were stored
-            if (!is_free(b, a)) continue;  // it has an end
+            if (!is_free(b, a)) continue;                       // it has an end
             double* const inverses = row(at(v));
             if (at(v) < known) {
                 loops_.inverses(p_, corners_[at(v)].at, inverses);

@@ -202,7 +202,7 @@ private:
     std::vector<Name> names_;
     const PlaneLoops& loops_ = plane_loops();
     PlaneArrays p_;
-    std::vector<double> inverses_;       // of the distances of all planes from each sure corner, see PlaneLoops
+    std::vector<double> inverses_;       // of the distances of all planes from each corner found, see PlaneLoops
     std::vector<exact::Plane> sources_;  // made when needed
     std::vector<Corner> corners_;
     std::vector<Edge> edges_;

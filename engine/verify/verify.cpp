@@ -108,7 +108,7 @@ public:
 private:
     const Result& r_;
     Buffer<double> points_{Buffer<double>::Pages::huge};  // accessed at random
-    std::vector<std::int64_t> names_;  // of the rows of a subset
+    std::vector<std::int64_t> names_;                     // of the rows of a subset
 };
 
 std::span<const std::int32_t> polygon(const Result& r, std::size_t entry) {

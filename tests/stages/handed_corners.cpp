@@ -1,4 +1,6 @@
 // Corners that cells of a proof hand on.
+#include "verify/handed_corners.hpp"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -13,7 +15,6 @@
 #include "input/settle.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
-#include "verify/handed_corners.hpp"
 
 namespace {
 
