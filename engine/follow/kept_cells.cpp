@@ -45,6 +45,7 @@ void KeptCells::clear() {
     state_.reset();
     always_.reset();
     places_ = {};
+    settled_ = false;
 }
 
 void KeptCells::set_frame(const Job& job) {
@@ -127,7 +128,7 @@ bool KeptCells::match(const Job& job) {
         return std::array{at.x[0], at.x[1], at.x[2]};
     });
     if (!matched) return false;
-    complete_ = false;  // until all is renumbered
+    complete_ = settled_ = false;  // until all is renumbered
     const auto& [order, number] = *matched;
     std::vector<std::byte*> cells(order.size());
     Flags always = std::make_unique<std::atomic<std::uint8_t>[]>(order.size());
@@ -175,7 +176,11 @@ bool KeptCells::match(const Job& job) {
 }
 
 bool KeptCells::sample_pays(const Job& job) {
-    const auto place = [&](std::size_t s) { places_[s] = place_of(job, static_cast<std::size_t>(order_[s])); };
+    std::vector<std::pair<std::size_t, SeedPlace>> before;
+    const auto place = [&](std::size_t s) {
+        before.emplace_back(s, places_[s]);
+        places_[s] = place_of(job, static_cast<std::size_t>(order_[s]));
+    };
     std::size_t tested = 0, wrong = 0, made = 0;
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
@@ -194,6 +199,7 @@ bool KeptCells::sample_pays(const Job& job) {
                 if (id >= 0) place(static_cast<std::size_t>(id));
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
+    for (std::size_t k = before.size(); k > 0; --k) places_[before[k - 1].first] = before[k - 1].second;
     const double expected = max_wrong * static_cast<double>(tested);
     const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (max_wrong / max_made);
     return cost <= expected + std::sqrt(expected);  // by chance
@@ -218,6 +224,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
 void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, ThreadPool& pool) {
     plan_ = plan;
     complete_ = sampled_ = false;  // until commit()
+    bool settled = std::exchange(settled_, false);
     workers_.resize(std::max<std::size_t>(workers_.size(), pool.size()));
     for (Worker& worker : workers_) {
         worker.over_point.clear();
@@ -227,15 +234,24 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     const auto for_seeds = [&](const auto& visit) {
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
             for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s) {
-                places_[s] = {{seeds.x[s], seeds.y[s], seeds.z[s]}, seeds.weights.empty() ? 0 : seeds.weights[s]};
-                visit(s);
+                const SeedPlace now{{seeds.x[s], seeds.y[s], seeds.z[s]},
+                                    seeds.weights.empty() ? 0 : seeds.weights[s]};
+                const bool stays = settled && std::memcmp(&now, &places_[s], sizeof now) == 0;
+                places_[s] = now;
+                visit(s, stays);
             }
         });
     };
     if (plan == Plan::repair) {
         set_frame(job);
-        return for_seeds([&](std::size_t s) { state_[s].store(kept, std::memory_order_relaxed); });
+        settled = settled && frame_ == settled_frame_;
+        still_.resize(count_);
+        return for_seeds([&](std::size_t s, bool stays) {
+            const std::uint8_t state = state_[s].exchange(kept, std::memory_order_relaxed);
+            still_[s] = static_cast<std::uint8_t>((state == kept ? was_kept : 0) | (stays ? has_stayed : 0));
+        });
     }
+    settled = false;
     if (count_ != seeds.size()) {
         count_ = seeds.size();
         state_ = std::make_unique<std::atomic<std::uint8_t>[]>(count_);
@@ -249,7 +265,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     places_.resize_uninitialized(count_);
     cells_.assign(count_, nullptr);
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
-    for_seeds([&](std::size_t s) {
+    for_seeds([&](std::size_t s, bool) {
         order_[s] = seeds.input[s];
         state_[s].store(made, std::memory_order_relaxed);
         always_[s].store(0, std::memory_order_relaxed);
@@ -259,6 +275,8 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
 void KeptCells::commit() {
     complete_ = plan_ != Plan::sample;
     sampled_ = !complete_;
+    settled_ = plan_ == Plan::repair;
+    settled_frame_ = frame_;
 }
 
 std::size_t KeptCells::room_of(const std::byte* record) {
@@ -509,11 +527,16 @@ void KeptCells::test(ThreadPool& pool) {
         const Range range{task * length, std::min(count_, (task + 1) * length)};
         for (std::size_t s = range.begin; s < range.end; ++s) {
             if (s % cells_per_check == 0) check_stop();
+            if (s + 2 < range.end && cells_[s + 2] != nullptr)
+                for (const std::int32_t id : this->cell(s + 2).ids())
+                    __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(id, 0))]);
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));
-            else
+            else if (!is_still(s))
                 mend(s, range, worker);
+            else if (may_hold(s))
+                worker.over_point.push_back(s);
         }
     });
     std::vector<std::size_t> later;

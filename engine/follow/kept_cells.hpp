@@ -17,6 +17,8 @@
 // a cell: the cells are the diagram of these seeds. Seeds without a cell are always pending. So they are hidden among
 // all seeds.
 //
+// Where a seed and all its neighbors stay where they were, the signs of a kept cell stay right without a test.
+//
 // Between equal seeds slopes would not fall, so no two kept cells have equal seeds. A cell with a tie is always
 // pending, and leaves its neighbors pending: only a search finds the other seeds of a tie.
 //
@@ -123,6 +125,12 @@ private:
     [[nodiscard]] bool rows_change(const Job& job) const;
     [[nodiscard]] bool match(const Job& job);
     [[nodiscard]] bool sample_pays(const Job& job);
+    [[nodiscard]] bool is_still(std::size_t seed) const {
+        if (still_[seed] != (was_kept | has_stayed)) return false;
+        for (const std::int32_t id : cell(seed).ids())
+            if (id >= 0 && (still_[static_cast<std::size_t>(id)] & has_stayed) == 0) return false;
+        return true;
+    }
     void mark(std::int32_t id) {
         if (id < 0) return;
         std::uint8_t expected = kept;
@@ -153,6 +161,11 @@ private:
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
     Buffer<SeedPlace> places_;
+    // Whether the last call was a repair, so that its cells had right signs in its frame.
+    bool settled_ = false;
+    SignFrame settled_frame_{};
+    static constexpr std::uint8_t was_kept = 1, has_stayed = 2;
+    std::vector<std::uint8_t> still_;  // by sorted seed: whether its cell was kept, and whether it has not moved since
     SignFrame frame_{};
     SignTester test_ = nullptr;
 };

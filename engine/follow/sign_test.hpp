@@ -26,6 +26,7 @@ struct SignFrame {
     double slack;          // bound on the error of a difference of coordinates, except its own rounding
     double reach_squared;  // a corner beyond is wrong
     double point[3];       // see SignTest::may_hold
+    friend bool operator==(const SignFrame&, const SignFrame&) = default;
 };
 
 // Returns the way to a place, or to an image of it about as near as any.

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <string>
 
+#include "core/at.hpp"
+#include "core/buffer.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "index/sort.hpp"
 #include "result/arrays.hpp"
 
 namespace votess {
@@ -15,9 +18,10 @@ namespace {
 using Name = RowPolytope::Name;
 using Shape = RowPolytope::Shape;
 
-constexpr std::size_t cells_at_once = 256;
+constexpr std::size_t cells_at_once = 256, cells_of_block = std::size_t{1} << 16;
 constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
+constexpr std::size_t max_near_walls = 12;
 constexpr std::size_t max_tried_places = 64;
 
 std::string text_of(const Name& name) {
@@ -52,7 +56,9 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
       rows_{result.indptr, result.indices, result.shifts},
       planes_(job),
       unscale_(1 / job.scale),
+      live_(result.status.size()),
       pool_(0) {
+    for (std::size_t i = 0; i < live_.size(); ++i) live_[i] = result.status[i] == CellStatus::certified;
     detail::for_arrays([&](const auto& array) {
         using Value = std::remove_cvref_t<decltype(array.of(result)[0])>;
         has_places_ =
@@ -86,7 +92,7 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
 
 bool Certificate::is_live(std::int32_t id) const {
     const auto i = static_cast<std::size_t>(id);
-    return id >= 0 && i < result_.status.size() && result_.status[i] == CellStatus::certified;
+    return id >= 0 && i < result_.status.size() && live_[i];
 }
 
 // Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere. Inline, since compilers
@@ -94,8 +100,8 @@ bool Certificate::is_live(std::int32_t id) const {
 void Certificate::prefetch(Prefetch what, std::size_t i) const {
     const std::span<const double> points = job_.points.f64;
     for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !points.empty(); ++e)
-        if (is_live(result_.indices[e])) {
-            const double* const seed = &points[3 * static_cast<std::size_t>(result_.indices[e])];
+        if (result_.indices[e] >= 0) {
+            const double* const seed = points.data() + 3 * static_cast<std::size_t>(result_.indices[e]);
             __builtin_prefetch(seed);
             __builtin_prefetch(seed + 2);
         }
@@ -121,13 +127,10 @@ void Certificate::for_cells(const Task& task) {
 
 Certificate::Verdict Certificate::prove() {
     for (auto& w : workers_) w->sums.assign(buckets, 0);
-    for_cells<Prefetch::all>([&](Worker& w, std::size_t i) {
-        if (!has_right_side(w, i)) return;
-        if (result_.status[i] == CellStatus::certified)
-            check_cell(w, i);
-        else
-            check_other(w, i);
+    for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
+        if (has_right_side(w, i) && result_.status[i] != CellStatus::certified) check_other(w, i);
     });
+    check_cells();
     Worker sum(planes_);
     sum.areas.begin(0);
     open_names_.assign(buckets, 0);
@@ -162,6 +165,56 @@ Certificate::Verdict Certificate::prove() {
     verdict.fault = std::move(sum.fault);
     verdict.unsettled = std::move(sum.unsettled);
     return verdict;
+}
+
+// Returns the live seeds, those that are near in space near each other.
+std::vector<std::int32_t> Certificate::order_in_space() {
+    cpu::SortedSeeds sorted;
+    cpu::SeedSorter sorter;
+    cpu::sort_inside(job_.points, job_.scale, 0, job_.outside, sorter, pool_, sorted);
+    std::vector<std::int32_t> order;
+    std::vector<bool> waits = live_;
+    const auto live = static_cast<std::size_t>(std::ranges::count(waits, true));
+    order.reserve(live);
+    const auto add = [&](std::int32_t id) {
+        if (waits[at(id)]) order.push_back(id);
+        waits[at(id)] = false;
+    };
+    for (const std::int32_t id : sorted.input) add(id);
+    for (std::size_t i = 0; order.size() < live; ++i) add(static_cast<std::int32_t>(i));
+    return order;
+}
+
+void Certificate::check_cells() {
+    const std::vector<std::int32_t> order = order_in_space();
+    Buffer<std::int32_t> ranks{Buffer<std::int32_t>::Pages::huge};
+    ranks.resize_uninitialized(result_.status.size());
+    std::ranges::fill(ranks, -1);
+    for (std::size_t k = 0; k < order.size(); ++k) ranks[at(order[k])] = static_cast<std::int32_t>(k);
+    const std::size_t per_block =
+        std::clamp(order.size() / (workers_.size() == 1 ? 1 : 4 * workers_.size()) + 1, cells_at_once, cells_of_block);
+    pool_.run((order.size() + per_block - 1) / per_block, [&](std::size_t block, unsigned worker) {
+        Worker& w = *workers_[worker];
+        const std::size_t begin = block * per_block, end = std::min(order.size(), begin + per_block);
+        w.handed.begin(order, ranks, begin, end);
+        for (std::size_t k = begin; k < end; ++k) {
+            if (k % cells_at_once == 0) check_stop();
+            if (k + 8 < end) __builtin_prefetch(&rows_.indptr[at(order[k + 8])]);
+            if (k + 4 < end) {
+                const std::int32_t* const row = rows_.indices.data() + rows_.begin(at(order[k + 4]));
+                __builtin_prefetch(row);
+                __builtin_prefetch(row + 16);
+            }
+            if (k + 2 < end) {
+                const std::size_t i = at(order[k + 2]);
+                prefetch(Prefetch::seeds, i);
+                for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
+                    if (rows_.indices[e] >= 0) __builtin_prefetch(&ranks[at(rows_.indices[e])]);
+                w.handed.prefetch(k + 2 - begin);
+            }
+            check_cell(w, at(order[k]));
+        }
+    });
 }
 
 // See shared_corners.hpp.
@@ -295,21 +348,67 @@ void Certificate::for_neighbors(const Name& of, const Visit& visit) const {
 
 void Certificate::check_cell(Worker& w, std::size_t i) {
     begin_cell(w, i);
-    if (!build(w, i)) return;
+    if (!add_row(w, i)) return;
+    if (result_.face_offsets.empty()) {
+        if (close_handed(w, i)) {
+            measure_handed(w, i);
+            if (!w.handed.to_name().empty()) name_planes(w, i);
+            for (const int v : w.handed.to_name()) add_name(w, v);
+            return;
+        }
+        // Names the corners that were handed to it for the other three.
+        const auto self = static_cast<std::int32_t>(i);
+        w.handed.leave(i, [&](const std::array<std::int32_t, 3>& others) {
+            std::uint64_t sum = random_of(self), is_last = 1;
+            for (const std::int32_t id : others) {
+                sum += random_of(id);
+                is_last &= id < self ? 1 : 0;
+            }
+            const std::uint64_t h = scrambled(sum);
+            w.sums[h % buckets] += scrambled(h) * (4 * is_last - 1);
+        });
+        if (!add_row(w, i)) return;
+    }
+    if (!wrap_row(w, i)) return;
     check_numbers(w, i);
     name_planes(w, i);
     if (!result_.face_offsets.empty()) check_polygons(w, i);
     add_names(w, i);
 }
 
+// Tries to make P_i with corners of other cells, see handed_corners.hpp. Walls that it may reach join it.
+bool Certificate::close_handed(Worker& w, std::size_t i) {
+    RowPolytope& polytope = w.polytope;
+    const std::size_t listed = rows_.end(i) - rows_.begin(i);
+    // Returns whether it found some, not too many.
+    const auto add_walls = [&](double reach) {
+        find_walls(w, i, reach);
+        if (w.walls.size() > max_near_walls) return false;
+        for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
+        return !w.walls.empty();
+    };
+    double far = 0;  // most walls that it reaches are nearer than some bisector
+    for (std::size_t f = 0; f < listed && !run_.settled.list_walls && !walls_.empty(); ++f)
+        far = std::max(far, 0.5 * polytope.arrays().length[f]);
+    if (far > 0) (void)add_walls(far);
+    bool closed = w.handed.close(polytope, i, listed);
+    if (!closed && !polytope.seems_open()) return false;
+    w.extent = polytope.extent();
+    if (add_walls(closed ? w.extent.reach() : infinity)) {
+        closed = w.handed.close(polytope, i, listed);
+        w.extent = polytope.extent();
+    }
+    if (!closed || w.walls.size() > max_near_walls) return false;
+    return check_faces(w, i, Shape::solid) && w.handed.hand_on(polytope);
+}
+
 // Makes P_i, condition 1. Walls that the row does not list join it, the nearest ones first: all until they close it,
 // then those that it may reach.
-bool Certificate::build(Worker& w, std::size_t i) {
+bool Certificate::wrap_row(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
-    if (!add_row(w, i)) return false;
     w.has_polygons = wrap_polygons(w, i);
     const bool sure = w.has_polygons || polytope.wrap_surely();
-    find_walls(w, i, sure ? polytope.reach() : infinity);
+    find_walls(w, i, sure ? polytope.extent().reach() : infinity);
     const std::span<const Worker::UnlistedWall> walls = w.walls;
     std::size_t next = 0;
     const auto wrap = [&] {
@@ -319,7 +418,7 @@ bool Certificate::build(Worker& w, std::size_t i) {
     if (shape != Shape::solid) std::ranges::sort(w.walls, {}, &Worker::UnlistedWall::distance);
     for (std::size_t most = 12; next < walls.size() && shape != Shape::flat && shape != Shape::repeated; most *= 2) {
         const int before = polytope.planes();
-        const double reach = shape == Shape::solid ? polytope.reach() : infinity;
+        const double reach = shape == Shape::solid ? polytope.extent().reach() : infinity;
         for (std::size_t added = 0; next < walls.size() && added < most; ++next) {
             if (shape == Shape::solid && polytope.is_beyond(walls[next].plane, reach)) continue;
             polytope.add({walls[next].id, {}}, walls[next].plane);
@@ -383,7 +482,7 @@ void Certificate::find_walls(Worker& w, std::size_t i, double reach) const {
         const RoundedPlane plane = w.polytope.seen({id, {}});
         if (RowPolytope::is_out_of_reach(plane, reach)) continue;
         bool known = false;
-        for (int f = 0; f < w.polytope.planes() && w.polytope.name(f).id < 0; ++f) known |= w.polytope.name(f).id == id;
+        for (const Name& name : w.polytope.names()) known |= name.id == id;
         if (!known) w.walls.push_back({id, plane.d / plane.length, plane});
     }
 }
@@ -470,6 +569,32 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     count("a number of faces", result_.face_counts[i], faces);
     count("a number of edges", result_.edge_counts[i], polytope.edges().size());
     count("a number of vertices", result_.vertex_counts[i], polytope.corners().size());
+}
+
+// The same for a cell that is closed by handed corners, faster where there are no numbers to compare.
+void Certificate::measure_handed(Worker& w, std::size_t i) {
+    const RowPolytope& polytope = w.polytope;
+    const PlaneArrays& p = polytope.arrays();
+    const auto& [nearest, farthest, error] = w.extent;
+    bool inside = true;
+    for (std::size_t f = 0; f < p.count; ++f) inside = inside && p.d[f] > 0;
+    constexpr double precise = 0x1p-36;
+    if (has_places_ || result_.stats.tiny_faces || !inside || !(error * error < precise * precise * nearest))
+        return check_numbers(w, i);
+    const std::span<const double> doubled = polytope.vector_areas(w.measures.vectors);
+    w.measures.areas.resize(p.count);
+    double volume = 0;
+    for (std::size_t f = 0; f < p.count; ++f) {
+        const double inverse = 1 / p.length[f],
+                     area = 0.5 * inverse *
+                            (doubled[4 * f] * p.nx[f] + doubled[4 * f + 1] * p.ny[f] + doubled[4 * f + 2] * p.nz[f]);
+        w.measures.areas[f] = area;
+        volume += area * p.d[f] * inverse / 3;
+    }
+    add_areas(w);
+    const double wide = 2 * (std::sqrt(farthest) + error), cube = unscale_ * unscale_ * unscale_;
+    w.volume += volume * cube;
+    w.doubt += 3.2 * wide * wide * error * cube;  // as above
 }
 
 // Counts the areas of faces with other cells.
@@ -674,10 +799,14 @@ void Certificate::add_names(Worker& w, std::size_t i) {
             check_corner(w, i, v);
             continue;
         }
-        std::uint64_t factor = 1;
-        const std::uint64_t h = name_of(w, v, factor);
-        w.sums[h % buckets] += scrambled(h) * factor;
+        add_name(w, v);
     }
+}
+
+void Certificate::add_name(Worker& w, int corner) {
+    std::uint64_t factor = 1;
+    const std::uint64_t h = name_of(w, corner, factor);
+    w.sums[h % buckets] += scrambled(h) * factor;
 }
 
 // Returns a number that depends on the seeds and walls of a corner, neither on their order nor on a shift of all: with

@@ -26,6 +26,9 @@
 // asked in exact signs: does a plane of row j cut the corner off (check_corner())? If none does, P_j has it. A wrong
 // diagram passes with a probability of 2^-64 or less for each sum.
 //
+// Rows name no corners. Each corner is then searched in one cell, which hands it on to the others, see
+// handed_corners.hpp: such a corner needs no name. A cell for which that fails is made from its planes alone.
+//
 // Polygons of a result name the corners of its cells, which saves the search for them. prove_shared() then proves each
 // corner and edge in one of its cells, see shared_corners.hpp, but only where all cells have three planes at each
 // corner. Otherwise RowPolytope::wrap_polygons() proves each corner by the signs above, and cells with more than three
@@ -45,6 +48,7 @@
 #include "result/result.hpp"
 #include "result/rows.hpp"
 #include "unbounded/endless_box.hpp"
+#include "verify/handed_corners.hpp"
 #include "verify/reported_cell.hpp"
 #include "verify/row_polytope.hpp"
 #include "verify/shared_corners.hpp"
@@ -81,7 +85,9 @@ private:
             : polytope(planes), shared(planes, images) {}
         RowPolytope polytope;
         SharedCorners shared;
+        HandedCorners handed;
         RowPolytope::Measures measures;
+        RowPolytope::Extent extent;       // of handed corners
         std::vector<std::uint64_t> sums;  // of names of corners, by bucket
         std::uint64_t polygons = 0;       // sum over both sides of all faces
         double volume = 0, doubt = 0;
@@ -123,13 +129,18 @@ private:
     void begin_cell(Worker& w, std::size_t i) const;
     [[nodiscard]] bool check_shared(Worker& w, std::size_t i);
     [[nodiscard]] bool shared_cover_once(Worker& sum);
-    [[nodiscard]] bool build(Worker& w, std::size_t i);
+    [[nodiscard]] std::vector<std::int32_t> order_in_space();
+    void check_cells();
+    [[nodiscard]] bool close_handed(Worker& w, std::size_t i);
+    [[nodiscard]] bool build(Worker& w, std::size_t i) { return add_row(w, i) && wrap_row(w, i); }
+    [[nodiscard]] bool wrap_row(Worker& w, std::size_t i);
     [[nodiscard]] bool add_row(Worker& w, std::size_t i);
     [[nodiscard]] bool add_seeds(Worker& w, std::size_t i, std::size_t entry) const;
     [[nodiscard]] bool wrap_polygons(Worker& w, std::size_t i) const;
     void find_walls(Worker& w, std::size_t i, double reach) const;
     [[nodiscard]] bool check_faces(Worker& w, std::size_t i, RowPolytope::Shape shape);
     void check_numbers(Worker& w, std::size_t i);
+    void measure_handed(Worker& w, std::size_t i);
     static void add_areas(Worker& w);
     void check_polygons(Worker& w, std::size_t i);
     [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;
@@ -141,6 +152,7 @@ private:
     void check_vertex(Worker& w, std::size_t i, int corner, std::int32_t vertex) const;
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
+    void add_name(Worker& w, int corner);
     void check_names(Worker& w, std::size_t i);
     [[nodiscard]] std::uint64_t name_of(const Worker& w, int corner, std::uint64_t& factor) const;
     void check_corner(Worker& w, std::size_t i, int corner);
@@ -165,6 +177,7 @@ private:
     Rows rows_;
     SeedPlanes planes_;
     double unscale_;
+    std::vector<bool> live_;
     struct NearWall {  // with an outward normal of length 1; an offset of -infinity is not known
         std::int32_t id;
         Vector3 normal;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -55,12 +56,14 @@ bool RowPolytope::add_seeds(std::span<const std::int32_t> ids) {
     if (unit_ != 1 || !planes_.are_inside()) return false;
     const std::size_t first = p_.append(ids.size());
     const exact::Point from = planes_.seed(seed_);
+    names_.resize(first + ids.size(), {});
+    Name* const names = &names_[first];
     for (std::size_t k = 0; k < ids.size(); ++k) {
         const auto j = static_cast<std::size_t>(ids[k]);
         const Vector3 n = minus(planes_.seed(j), from);
         p_.nx[first + k] = n[0], p_.ny[first + k] = n[1], p_.nz[first + k] = n[2];
         p_.power[first + k] = planes_.power(seed_, j);
-        names_.push_back({ids[k], {}});
+        names[k].id = ids[k];
     }
     loops_.complete(p_, first);
     if (std::ranges::find(std::span(p_.length).subspan(first, ids.size()), 0.0) ==
@@ -307,52 +310,99 @@ bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span
     return true;
 }
 
-bool RowPolytope::wrap_surely() {
+// Joins known corners. Lists their edges, and those that have one end yet. Returns false if an edge has three.
+bool RowPolytope::take_known(std::size_t known, std::size_t& waiting, std::size_t& edges) {
     const int n = planes();
+    const std::uint32_t turn = pairs_turn_;
+    std::uint32_t* const pairs = pairs_.data();
+    const Corner* const corners = corners_.data();
+    std::uint32_t nearest = pair_step;
+    for (std::size_t v = 0; v < known; ++v) {
+        const int a = corners[v].planes[0], b = corners[v].planes[1], c = corners[v].planes[2];
+        std::uint32_t &ab = pairs[a * n + b], &bc = pairs[b * n + c], &ca = pairs[c * n + a];
+        nearest = std::min({nearest, ab ^ turn, bc ^ turn, ca ^ turn});
+        ab = bc = ca = turn | static_cast<std::uint32_t>(v);
+    }
+    // Which ends are missing is hard to foretell, so there is no branch. The ends of an edge are two numbers in a row.
+    Half* half = waiting_.data();
+    Edge* edge = edges_.data();
+    const auto both = [](int first, int second) { return std::bit_cast<std::uint64_t>(std::array{first, second}); };
+    const auto add = [&](int v, int f, int g) {
+        const std::uint32_t other = pairs[g * n + f] ^ turn;
+        half->corner = v, half->a = f, half->b = g;
+        half += other >= pair_step ? 1 : 0;
+        const std::array<std::uint64_t, 2> values{both(static_cast<int>(other), v), both(f, g)};
+        static_assert(sizeof values == sizeof(Edge));
+        std::memcpy(edge, &values[0], sizeof values[0]);
+        std::memcpy(&edge->left, &values[1], sizeof values[1]);
+        edge += other < static_cast<std::uint32_t>(v) ? 1 : 0;
+    };
+    for (std::size_t v = 0; v < known; ++v) {
+        const int a = corners[v].planes[0], b = corners[v].planes[1], c = corners[v].planes[2];
+        add(static_cast<int>(v), a, b);
+        add(static_cast<int>(v), b, c);
+        add(static_cast<int>(v), c, a);
+    }
+    waiting = static_cast<std::size_t>(half - waiting_.data());
+    edges = known_edges_ = static_cast<std::size_t>(edge - edges_.data());
+    return nearest >= pair_step;
+}
+
+bool RowPolytope::wrap_surely(std::size_t known) {
+    const int n = planes();
+    const std::size_t room = at(2 * n), padded = p_.padded;  // more corners than a polytope of n faces has
     seems_open_ = false;
     if (n < 4) return seems_open_ = true, false;
-    if (n > max_sure_planes) return false;
+    if (n > max_sure_planes || known > room) return false;
     tight_.clear();
-    faces_.assign(at(n), 0);
     std::array<int, 3> start{};
-    if (!guess_start(start)) {
+    if (known == 0 && !guess_start(start)) {
         corners_.clear();
         edges_.clear();
         return seems_open_ = true, false;
     }
-    // More corners than a polytope of n faces has are never made.
-    const std::size_t room = at(2 * n), padded = p_.padded;
-    corners_.resize(room);
-    edges_.resize(3 * room);
-    if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), -1);
-    if (waiting_.size() < 3 * room) waiting_.resize(3 * room);
-    std::size_t corners = 0, edges = 0, waiting = 0;
+    if (corners_.size() < room) corners_.resize(room);
+    if (edges_.size() < room + room / 2 + 1) edges_.resize(room + room / 2 + 1);
+    if (waiting_.size() < 3 * room + 1) waiting_.resize(3 * room + 1);
+    static_assert(pair_step >= 2 * max_sure_planes);
+    pairs_turn_ += pair_step;
+    if (pairs_turn_ == 0) pairs_.clear(), pairs_turn_ = pair_step;
+    if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), 0);
+    std::size_t corners = known, waiting = 0, edges = 0;
+    // The first row is that of the known corner in question.
+    const auto row = [&](std::size_t v) {
+        const std::size_t end = (v < known ? 1 : v - known + 2) * padded;
+        if (inverses_.size() < end) inverses_.resize(2 * end);
+        return &inverses_[end - padded];
+    };
+    const auto is_free = [&](int f, int g) { return (pairs_[at(f * n + g)] ^ pairs_turn_) >= pair_step; };
     const auto add = [&](int a, int b, int c) {
-        if (corners == room) return false;
-        if (inverses_.size() < (corners + 1) * padded) inverses_.resize(2 * (corners + 1) * padded);
-        if (!loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], &inverses_[corners * padded]))
+        if (corners == room || !loops_.sure_corner_and_inverses(p_, a, b, c, corners_[corners], row(corners)))
             return false;
         const int v = static_cast<int>(corners++);
-        int* const pairs = pairs_.data();
         for (const auto& [f, g] : {std::array{a, b}, {b, c}, {c, a}}) {
-            faces_[at(f)] = 1;
-            int& other = pairs[g * n + f];
-            if (other >= 0) {
-                edges_[edges++] = {other, v, f, g};
-                other = -1;
-            } else {
-                pairs[f * n + g] = v;
+            if (!is_free(f, g)) return false;
+            pairs_[at(f * n + g)] = pairs_turn_ | static_cast<std::uint32_t>(v);
+            if (is_free(g, f))
                 waiting_[waiting++] = {v, f, g};
-            }
+            else
+                edges_[edges++] = {static_cast<int>(pairs_[at(g * n + f)] ^ pairs_turn_), v, f, g};
         }
         return true;
     };
     const auto wrap = [&] {
-        if (!add(start[0], start[1], start[2])) return false;
-        for (std::size_t k = 0; k < waiting; ++k) {
-            const auto [v, a, b] = waiting_[k];
-            if (pairs_[at(a * n + b)] != v) continue;  // it has an end
-            const int c = loops_.first_hit(p_, &inverses_[at(v) * padded], cross(normal(b), normal(a))).plane;
+        if (!take_known(known, waiting, edges)) return false;
+        if (known == 0 && !add(start[0], start[1], start[2])) return false;
+        while (waiting > 0) {
+            const Half& half = waiting_[--waiting];
+            const int v = half.corner, a = half.a, b = half.b;  // one by one, as they were stored
+            if (!is_free(b, a)) continue;                       // it has an end
+            double* const inverses = row(at(v));
+            if (at(v) < known) {
+                loops_.inverses(p_, corners_[at(v)].at, inverses);
+                for (const int f : corners_[at(v)].planes) inverses[f] = 0;
+            }
+            const int c = loops_.first_hit(p_, inverses, cross(normal(b), normal(a))).plane;
             if (c < 0) return seems_open_ = true, false;
             if (!add(b, a, c)) return false;
         }
@@ -361,7 +411,9 @@ bool RowPolytope::wrap_surely() {
     const bool sure = wrap();
     corners_.resize(corners);
     edges_.resize(edges);
-    if (!sure) std::fill_n(pairs_.begin(), n * n, -1);
+    faces_.assign(at(n), 0);
+    std::uint8_t* const faces = faces_.data();
+    for (const Edge& edge : edges_) faces[edge.left] = faces[edge.right] = 1;
     return sure;
 }
 
@@ -380,15 +432,20 @@ int RowPolytope::side(int v, const Name& name) {
                                  planes_.plane(seed_, name.id, name.shift));
 }
 
-double RowPolytope::reach() const {
-    double square = 0, errors = 0;
+RowPolytope::Extent RowPolytope::extent() const {
+    Extent e;
     for (const Corner& corner : corners_) {
-        const double own = dot(corner.at, corner.at);
-        if (!(own <= 1 / filter_underflow)) return infinity;
-        square = std::max(square, own);
-        errors += corner.error;
+        const double square = dot(corner.at, corner.at);
+        e.nearest = square < e.nearest ? square : e.nearest;
+        e.farthest = square <= e.farthest ? e.farthest : square;  // which may be NaN
+        e.error = corner.error <= e.error ? e.error : corner.error;
     }
-    return square > filter_underflow ? std::sqrt(square) * (1 + 0x1p-50) + errors : infinity;
+    return e;
+}
+
+double RowPolytope::Extent::reach() const {
+    const bool is_usual = farthest > filter_underflow && farthest <= 1 / filter_underflow && error < infinity;
+    return is_usual ? std::sqrt(farthest) * (1 + 0x1p-50) + error : infinity;
 }
 
 bool RowPolytope::is_beyond(const RoundedPlane& plane, double reach) const {

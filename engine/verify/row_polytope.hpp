@@ -25,6 +25,7 @@
 #include <span>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "core/vector3.hpp"
 #include "verify/plane_loops.hpp"
 #include "verify/seed_planes.hpp"
@@ -112,8 +113,16 @@ public:
     [[nodiscard]] bool wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices);
     // Returns the vertices of the last polygons, by corner.
     [[nodiscard]] std::span<const std::int32_t> vertices() const { return vertices_; }
-    // Tries sure signs alone. Returns false where they do not settle it.
-    [[nodiscard]] bool wrap_surely();
+    // Makes room for corners that are known: planes whose normals turn positively, a place, and a bound on its error.
+    [[nodiscard]] std::span<Corner> begin_known(std::size_t count) {
+        if (corners_.size() < count) corners_.resize(count);
+        return std::span(corners_).first(count);
+    }
+    // Tries sure signs alone. Returns false where they do not settle it. The first corners may be known, and are taken
+    // as they are; all others are proven to be corners of the polytope. Each edge of each corner has two ends. Those
+    // between known corners come first.
+    [[nodiscard]] bool wrap_surely(std::size_t known = 0);
+    [[nodiscard]] std::span<const Edge> known_edges() const { return std::span(edges_).first(known_edges_); }
     // The last try met an edge without an end: planes are missing.
     [[nodiscard]] bool seems_open() const { return seems_open_; }
     [[nodiscard]] Shape wrap_exactly();
@@ -140,8 +149,18 @@ public:
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
     // Returns +1 if the corner lies strictly outside a plane, -1 if strictly inside, 0 if on it.
     [[nodiscard]] int side(int corner, const Name& name);
-    // Returns a bound on the distance of corners from the seed.
-    [[nodiscard]] double reach() const;
+    struct Extent {  // of the corners: squared distances from the seed, the largest error
+        double nearest = infinity, farthest = 0, error = 0;
+        // Returns a bound on the distances.
+        [[nodiscard]] double reach() const;
+    };
+    [[nodiscard]] Extent extent() const;
+    // Returns twice the vector areas of all faces, seen from the seed: four numbers each, of which three count.
+    [[nodiscard]] std::span<const double> vector_areas(std::vector<double>& room) const {
+        room.assign(4 * names_.size(), 0);
+        loops_.add_areas(edges_, corners_.data(), {}, room.data());
+        return room;
+    }
     // Whether a plane surely lies farther from the seed than that.
     [[nodiscard]] static bool is_out_of_reach(const RoundedPlane& plane, double reach) {
         const double most = plane.length * reach;
@@ -183,16 +202,21 @@ private:
     std::vector<Name> names_;
     const PlaneLoops& loops_ = plane_loops();
     PlaneArrays p_;
-    std::vector<double> inverses_;       // of the distances of all planes from each sure corner, see PlaneLoops
+    std::vector<double> inverses_;       // of the distances of all planes from each corner found, see PlaneLoops
     std::vector<exact::Plane> sources_;  // made when needed
     std::vector<Corner> corners_;
     std::vector<Edge> edges_;
+    std::size_t known_edges_ = 0;
     std::vector<std::uint8_t> faces_;
-    std::vector<int> pairs_;  // planes a, b: the corner whose edge along both has no end yet, or -1
+    // By planes a, b: the turn and the corner whose polygon in a goes on to b. Those of other turns are free.
+    std::vector<std::uint32_t> pairs_;
+    std::uint32_t pairs_turn_ = 0;
+    static constexpr std::uint32_t pair_step = 1 << 12;  // from turn to turn
     struct Half {
         int corner, a, b;
     };
     std::vector<Half> waiting_;
+    [[nodiscard]] bool take_known(std::size_t known, std::size_t& waiting, std::size_t& edges);
     std::vector<Fan> fans_;
     std::vector<std::int32_t> vertices_;
     // A hash table of vertices: the vertex (32 bits), the turn (20), the corner (12). Those of other turns are free.

@@ -28,32 +28,11 @@ constexpr std::array<std::uint64_t, 16> shares{0,
                                                factor_f,
                                                -(factor_d + factor_e + factor_f)};
 
-// Two directions, at right angles to which is e. Nothing lies along them in a common lattice.
-using Frame = std::array<Vector3, 2>;
-constexpr std::array<Frame, 2> frames{Frame{Vector3{0.3651483716701107, -0.8164965809277260, 0.4472135954999579},
-                                            Vector3{0.8428282480371107, 0.4985132179123381, 0.2030197431285120}},
-                                      Frame{Vector3{-0.7129384012837465, 0.2918374650192837, 0.6374829103847561},
-                                            Vector3{0.2219384756102938, 0.9411029384756102, -0.2549182736450192}}};
-
 }  // namespace
 
-// A. The sign of det(e, f, g) is that of the turn from f to g about e. Frames need not be orthogonal: e is at right
-// angles to both vectors, and any linear map of these keeps or turns all signs. Bounds as in row_polytope.hpp.
 void SharedCorners::look_along(const RowPolytope& polytope, std::size_t direction) {
-    const auto& [first, second] = frames[direction];
-    const PlaneArrays& p = polytope.arrays();
-    for (std::size_t f = 0; f < sides_.size(); ++f) {
-        const double inverse = 1 / p.length[f];
-        sides_[f].across = (p.nx[f] * first[0] + p.ny[f] * first[1] + p.nz[f] * first[2]) * inverse;
-        sides_[f].along = (p.nx[f] * second[0] + p.ny[f] * second[1] + p.nz[f] * second[2]) * inverse;
-    }
-}
-
-// Returns 1 if a corner is certainly on top, 0 if certainly not, more if that is not certain.
-inline int SharedCorners::top_of(const Side& a, const Side& b, const Side& c) {
-    const double ab = a.across * b.along - a.along * b.across, bc = b.across * c.along - b.along * c.across,
-                 ca = c.across * a.along - c.along * a.across, low = ab < bc ? ab : bc, least = low < ca ? low : ca;
-    return least < -filter_bound ? 0 : least > filter_bound ? 1 : 2;
+    for (std::size_t f = 0; f < sides_.size(); ++f)
+        static_cast<SeenNormal&>(sides_[f]) = seen_along(polytope.arrays(), f, direction);
 }
 
 bool SharedCorners::has_one_top(const RowPolytope& polytope) {

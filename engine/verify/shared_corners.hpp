@@ -52,6 +52,31 @@ inline std::uint64_t random_of(std::int32_t id) {
     return scrambled(0x243f6a8885a308d3 + static_cast<std::uint32_t>(id));
 }
 
+// A normal of length 1 seen along a direction e: its components at right angles to e. The sign of det(e, f, g) is that
+// of the turn from f to g about e.
+struct SeenNormal {
+    double across = 0, along = 0;
+};
+// direction: 0 or 1, two vectors each, at right angles to which is e. They need not be orthogonal: any linear map keeps
+// or turns all signs. Nothing lies along them in a common lattice.
+[[nodiscard]] inline SeenNormal seen_along(const PlaneArrays& p, std::size_t f, std::size_t direction) {
+    constexpr std::array<Vector3, 4> vectors{Vector3{0.3651483716701107, -0.8164965809277260, 0.4472135954999579},
+                                             Vector3{0.8428282480371107, 0.4985132179123381, 0.2030197431285120},
+                                             Vector3{-0.7129384012837465, 0.2918374650192837, 0.6374829103847561},
+                                             Vector3{0.2219384756102938, 0.9411029384756102, -0.2549182736450192}};
+    const Vector3 &first = vectors[2 * direction], &second = vectors[2 * direction + 1];
+    const double inverse = 1 / p.length[f];
+    return {(p.nx[f] * first[0] + p.ny[f] * first[1] + p.nz[f] * first[2]) * inverse,
+            (p.nx[f] * second[0] + p.ny[f] * second[1] + p.nz[f] * second[2]) * inverse};
+}
+// Whether a corner of three planes is on top, A below: 1 if certainly, 0 if certainly not, else 2. Bounds as in
+// row_polytope.hpp.
+[[nodiscard]] inline int top_of(const SeenNormal& a, const SeenNormal& b, const SeenNormal& c) {
+    const double ab = a.across * b.along - a.along * b.across, bc = b.across * c.along - b.along * c.across,
+                 ca = c.across * a.along - c.along * a.across, low = ab < bc ? ab : bc, least = low < ca ? low : ca;
+    return 2 - 2 * static_cast<int>(least < -filter_bound) - static_cast<int>(least > filter_bound);
+}
+
 class SharedCorners {
 public:
     // images: of vertices; empty if these have none.
@@ -68,8 +93,7 @@ public:
     [[nodiscard]] double volume() const { return volume_; }
 
 private:
-    struct Side {                      // of a plane
-        double across = 0, along = 0;  // of its normal of length 1, both at right angles to e
+    struct Side : SeenNormal {  // of a plane
         std::uint64_t random = 0;
         std::uint32_t code = 0;  // 4 for a seed, and 1 for one before that of the cell
         // Of two planes, each edge is taken where that on its left is lower. None is less with a seed before the
@@ -78,7 +102,6 @@ private:
         std::uint64_t shift = 0, products = 0, squares = 0;
     };
     void look_along(const RowPolytope& polytope, std::size_t direction);
-    [[nodiscard]] static int top_of(const Side& a, const Side& b, const Side& c);
     [[nodiscard]] bool has_one_top(const RowPolytope& polytope);
     void name_sides(const RowPolytope& polytope, std::size_t seed);
     [[nodiscard]] bool has_first_in_place(const RowPolytope& polytope, std::array<int, 3> planes) const;

@@ -8,6 +8,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/at.hpp"
+#include "core/buffer.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
@@ -56,9 +57,10 @@ void require_points_of(const Tessellation& t, const Result& result, std::span<co
 class WholeResult : public RunBlocks {
 public:
     WholeResult(const Result& result, std::span<const double> points)
-        : r_(result),
-          points_(points.begin(), points.end()),  // read once, see input/snapshot.hpp
-          names_(result.ids.begin(), result.ids.end()) {}
+        : r_(result), names_(result.ids.begin(), result.ids.end()) {
+        points_.resize_uninitialized(points.size());
+        std::ranges::copy(points, points_.begin());  // read once, see input/snapshot.hpp
+    }
 
     [[nodiscard]] std::span<const double> points() const { return points_; }
 
@@ -105,8 +107,8 @@ public:
 
 private:
     const Result& r_;
-    std::vector<double> points_;
-    std::vector<std::int64_t> names_;  // of the rows of a subset
+    Buffer<double> points_{Buffer<double>::Pages::huge};  // accessed at random
+    std::vector<std::int64_t> names_;                     // of the rows of a subset
 };
 
 std::span<const std::int32_t> polygon(const Result& r, std::size_t entry) {
