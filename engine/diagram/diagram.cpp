@@ -39,12 +39,12 @@ void check_diagram(const Settled& run) {
 
 Tessellation probe_in(DiagramState& state, std::span<const double> queries, const ProbeOptions& options) {
     std::vector<double> places = in_space(state, queries, "queries");
-    if (state.thickness == 0)
+    if (!state.planar())
         return Tessellation(std::make_shared<const detail::Result>(detail::probe(state, std::move(places), options)));
     ProbeOptions of_sheet = options;
     add_sheet_wants(of_sheet.want, of_sheet.list_walls);
     detail::Result cells = detail::probe(state, std::move(places), of_sheet);
-    flatten(cells, state.thickness, with_implied(options.want), options.list_walls || options.want.faces);
+    flatten(cells, with_implied(options.want), options.list_walls || options.want.faces);
     return Tessellation(std::make_shared<const detail::Result>(std::move(cells)));
 }
 
@@ -63,7 +63,7 @@ std::size_t Diagram::size() const noexcept {
     return state_->points.size() / 3;
 }
 bool Diagram::planar() const noexcept {
-    return state_->thickness > 0;
+    return state_->planar();
 }
 
 std::vector<std::int32_t> Diagram::locate(std::span<const double> queries, const ProgressCallback& progress) const {

@@ -77,11 +77,9 @@ std::shared_ptr<DiagramState> make_state(Settled run) {
     if (!region.box && !region.cell && region.walls.empty()) region.box = region.planar ? no_ends_of_plane : all_space;
     std::vector<double> places;
     std::optional<Sheet> sheet;
-    double thickness = 0;
     if (region.planar) {
         run = sheet.emplace(std::move(run)).take_in_space();
         places = sheet->take_points();
-        thickness = sheet->thickness();
     } else {
         const auto& points = run.points.f64;
         places.reserve(points.size());
@@ -108,7 +106,6 @@ std::shared_ptr<DiagramState> make_state(Settled run) {
         region = endless->with_ends(ends = endless->ends_or(ends));
     }
     std::shared_ptr<DiagramState> state = make_state(std::move(places), std::move(run));
-    state->thickness = thickness;
     state->endless_sides = sides;
     state->endless = std::move(endless);
     state->ends = ends;
@@ -190,7 +187,6 @@ std::shared_ptr<DiagramState> between(const DiagramState& state, const std::vect
     std::vector<double> points = seeds == nullptr ? state.points : some_of(state.points, *seeds, 3);
     if (flat_ends != nullptr) flat_ends->cut(run.region);
     auto made = make_state(std::move(points), std::move(run));
-    made->thickness = state.thickness;
     made->endless_sides = sides;
     made->ends = ends;
     return made;
@@ -245,7 +241,7 @@ std::shared_ptr<DiagramState> state_around(DiagramState& state) {
         for (double* const x : {&bounds.lower[k], &bounds.upper[k]})
             *x = std::clamp(*x, given.lower[k], given.upper[k]);
     if (state.inside) include(edges, state.inside->mesh()->bounds(), bounds);
-    const Box ends = edges.ends_or(default_box(bounds, count, state.thickness > 0 ? 2 : 3));
+    const Box ends = edges.ends_or(default_box(bounds, count, state.planar() ? 2 : 3));
     return state.around = between(state, nullptr, ends, EndlessSides());
 }
 
@@ -270,7 +266,7 @@ CallGuard::~CallGuard() {
 }
 
 std::vector<double> in_space(const DiagramState& state, std::span<const double> vectors, const char* name) {
-    const std::size_t components = state.thickness > 0 ? 2 : 3;
+    const std::size_t components = state.planar() ? 2 : 3;
     if (vectors.size() % components != 0) {
         const std::string n = std::to_string(components);
         refuse(std::string(name) + " hold " + std::to_string(vectors.size()) + " coordinates, not a multiple of " + n +

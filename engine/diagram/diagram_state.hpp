@@ -60,7 +60,7 @@ struct DiagramState {
     std::optional<cpu::VertexGraph> graph;  // made when it is worth it
     std::optional<cpu::CellGraph> cells;    // made for rays
 
-    double thickness = 0;  // of the sheet that stands for a plane; 0 in space
+    [[nodiscard]] bool planar() const { return job.region.thickness > 0; }  // then it is that of a sheet
     // The sides at infinity. The walls of the state's own box on them are not those of the domain.
     EndlessSides endless_sides;
 

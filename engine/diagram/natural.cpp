@@ -22,7 +22,7 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
     const cpu::SortedSeeds& seeds = state.clipper.seeds();
     constexpr std::size_t min_seeds = 64;
     if (options.method != NaturalMethod::sibson || job.domain->is_periodic() || job.domain->triclinic) return false;
-    if (state.thickness > 0) return false;  // all vertices of a sheet lie on its walls
+    if (state.planar()) return false;  // all vertices of a sheet lie on its walls
     if (state.graph) return true;
     if (seeds.size() < min_seeds || queries.count() < seeds.size() / 2) return false;
     const Share stage = Stoppable::stage();
@@ -49,7 +49,7 @@ cpu::FieldEnds ends_of(const DiagramState& state, const NaturalOptions& options)
     cpu::FieldEnds ends{0, !options.at_walls};
     for (std::int32_t side = 0; side < 6; ++side) {
         const std::int32_t wall = -1 - side;
-        const bool of_sheet = state.thickness > 0 && Sheet::bounds(wall);
+        const bool of_sheet = state.planar() && Sheet::bounds(wall);
         if (state.endless_sides.has(wall) || (!options.at_walls && !of_sheet)) ends.sides |= 1u << side;
     }
     return ends;

@@ -39,7 +39,7 @@ std::size_t count_grid_cells(const GridOptions& options) {
 void check(const DiagramState& state, std::span<const double> values, const GridOptions& options,
            std::span<const double> grid) {
     const std::size_t seeds = state.points.size() / 3;
-    const bool planar = state.thickness > 0;
+    const bool planar = state.planar();
     if (options.method < GridMethod::mean || options.method > GridMethod::sibson)
         refuse_grid("method = " + std::to_string(static_cast<int>(options.method)) +
                     " is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
@@ -76,7 +76,7 @@ Result build(const DiagramState& state) {
 // Returns the centers of grid cells, at z = 0 exactly in a sheet.
 std::vector<double> on_plane(const DiagramState& state, std::span<const double> centers) {
     std::vector<double> places(centers.begin(), centers.end());
-    for (std::size_t i = 2; i < places.size() && state.thickness > 0; i += 3) places[i] = 0;
+    for (std::size_t i = 2; i < places.size() && state.planar(); i += 3) places[i] = 0;
     return places;
 }
 
@@ -146,11 +146,11 @@ std::size_t to_grid(DiagramState& state_of_call, std::span<const double> values,
         fields::add_mean(task, pieces, state.clipper.pool());
     } else if (integrates) {
         Result of_space = build(state);
-        if (state.thickness > 0 && options.method == GridMethod::dtfe)  // the dual is that of the plane
-            flatten(of_space, state.thickness, {.volumes = false, .vertices = true, .faces = true}, true);
+        if (state.planar() && options.method == GridMethod::dtfe)  // the dual is that of the plane
+            flatten(of_space, {.volumes = false, .vertices = true, .faces = true}, true);
         const auto result = std::make_shared<const Result>(std::move(of_space));
         const Tessellation cells(result);
-        const fields::Built built{state.job, *result, cells, state.thickness};
+        const fields::Built built{state.job, *result, cells};
         const CallGuard turn(state);
         Stoppable::enter_stage({share_of_building, 1});
         if (options.method == GridMethod::mean) fields::add_mean(task, built, state.clipper.pool());

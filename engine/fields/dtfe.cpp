@@ -364,11 +364,10 @@ ScaledMasses scaled_masses(const Task& task, std::span<const std::int32_t> dupli
            ", a density that float64 cannot hold: give coordinates or masses in other units");
 }
 
-// Turns masses into densities. Masses below the rounding error may underflow. thickness: of a sheet, a power of two.
-void divide(const Task& task, const ScaledMasses& masses, double thickness) {
+// Turns masses into densities. Masses below the rounding error may underflow.
+void divide(const Task& task, const ScaledMasses& masses) {
     constexpr double least = std::numeric_limits<double>::min(), rounding = 1e-14;
-    Size size = task.frame.cell_size(task.projected);
-    if (thickness > 0) size.exponent -= std::ilogb(thickness);
+    const Size size = task.frame.cell_size(task.projected);
     const std::size_t m = task.columns;
     for (std::size_t c = 0; c < m; ++c) {
         const int exponent = masses.exponents[c] - size.exponent;
@@ -397,7 +396,7 @@ std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool) {
     const ScaledMasses masses = scaled_masses(task, duplicate_of);
     overlay(task.frame, pool, triangulation.size(),
             [&] { return std::make_unique<Simplices>(task.frame, triangulation, around, masses, task.grid); });
-    divide(task, masses, built.thickness);
+    divide(task, masses);
     std::size_t without = 0;
     for (std::size_t i = 0; i < around.size(); ++i)
         without += around[duplicate_of.empty() || duplicate_of[i] < 0 ? i : at(duplicate_of[i])] == 0;

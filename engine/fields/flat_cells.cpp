@@ -56,19 +56,18 @@ public:
         out_.firsts_[seed] = {place[0] + first[0] / scale, place[1] + first[1] / scale, 0};
         const Vector at = frame_.position(place), more = frame_.in_grid({first[0], first[1], 0});
         out_.ats_[seed] = {at[0] + more[0], at[1] + more[1], 0};
-        const double thickness = frame_.edge(2)[2] / scale;
         double twice = 0;
         Flat from{corners_.back()[0] - first[0], corners_.back()[1] - first[1]};
         Flat from_in_grid = in_grid(from);
         for (std::size_t k = 0; k < lines_.size(); ++k) {
             const Flat to{corners_[k][0] - first[0], corners_[k][1] - first[1]}, to_in_grid = in_grid(to);
             twice += flat_cross(from, to);
-            out_.areas_[lines_[k].entry] = std::hypot(to[0] - from[0], to[1] - from[1]) / scale * thickness;
+            out_.areas_[lines_[k].entry] = std::hypot(to[0] - from[0], to[1] - from[1]) / scale;
             Edge& edge = out_.edges_[lines_[k].entry] = {from_in_grid, to_in_grid};
             if (frame_.mirrored()) std::swap(edge.from, edge.to);
             from = to, from_in_grid = to_in_grid;
         }
-        out_.volumes_[seed] = std::max(0.0, twice / 2 / scale / scale * thickness);
+        out_.volumes_[seed] = std::max(0.0, twice / 2 / scale / scale);
     }
 
 private:

@@ -34,7 +34,7 @@ public:
     // The first corner of a cell: in space, and in the grid.
     [[nodiscard]] const Vector& first(std::size_t seed) const { return firsts_[seed]; }
     [[nodiscard]] const Vector& at(std::size_t seed) const { return ats_[seed]; }
-    // Volumes of the cells of the sheet, and areas of their faces.
+    // Areas of the cells, and lengths of their edges.
     [[nodiscard]] std::span<const double> volumes() const { return volumes_; }
     [[nodiscard]] std::span<const double> areas() const { return areas_; }
 

@@ -33,7 +33,9 @@ Frame::Domain Frame::domain_of(const Tessellation& t) {
 }
 
 Frame::Frame(const Job& job, const std::array<std::size_t, 3>& shape)
-    : Frame(domain_of(job.box, job.region.cell, job.scale), job.domain->periodic, shape) {}
+    : Frame(domain_of(job.box, job.region.cell, job.scale), job.domain->periodic, shape) {
+    if (job.region.thickness > 0) flat_exponent_ = std::ilogb(job.region.thickness);
+}
 Frame::Frame(const Tessellation& t, const std::array<std::size_t, 3>& shape)
     : Frame(domain_of(t), t.periodic(), shape) {}
 
@@ -60,7 +62,7 @@ Frame::Frame(const Domain& domain, const std::array<bool, 3>& periodic, const st
 }
 
 Size Frame::cell_size(std::optional<int> projected) const {
-    Size size{std::abs(determinant_), 0};
+    Size size{std::abs(determinant_), -flat_exponent_};
     for (int k = 0; k < 3; ++k) {
         const auto i = static_cast<std::size_t>(k);
         size.mantissa /= k == projected ? lengths_[i] : static_cast<double>(axes_[i].count);

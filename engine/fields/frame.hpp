@@ -63,7 +63,7 @@ public:
 
     [[nodiscard]] const Axis& axis(std::size_t k) const { return axes_[k]; }
     [[nodiscard]] std::size_t cells() const;
-    // Volume of a grid cell; its area across an axis that is projected.
+    // Volume of a grid cell; its area in the plane, or across an axis that is projected.
     [[nodiscard]] Size cell_size(std::optional<int> projected = {}) const;
     // Whether the coordinates of the grid are left-handed in space.
     [[nodiscard]] bool mirrored() const { return mirrored_; }
@@ -109,6 +109,7 @@ private:
     std::array<int, 3> exponents_{};
     std::array<std::array<double, 2>, 3> powers_{};  // 2^-exponents_[k] is the product of two, for it may overflow
     bool mirrored_ = false;
+    int flat_exponent_ = 0;  // of the thickness of a sheet
 };
 
 }  // namespace votess::fields

@@ -27,7 +27,6 @@ struct Built {
     const Job& job;  // whose points are in float64
     const detail::Result& result;
     const Tessellation& tessellation;  // of the result
-    double thickness = 0;              // of the sheet that stands for a plane
 };
 
 void add_mean(const Task& task, const Built& built, ThreadPool& pool);

@@ -226,12 +226,9 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
     Snapshot snapshot;
     whole.points = snapshot.take(whole.points, pool);
     Settled in_space = whole;
-    double mesh_volume = 0, unit = 1;  // the latter: the volume of the sheet for an area of 1
-    std::optional<Sheet> sheet;        // whose weights are those of the plane
-    if (whole.region.planar) {
-        in_space = sheet.emplace(std::move(in_space)).in_space();
-        unit = sheet->thickness();
-    }
+    double mesh_volume = 0;
+    std::optional<Sheet> sheet;  // whose weights are those of the plane
+    if (whole.region.planar) in_space = sheet.emplace(std::move(in_space)).in_space();
     const std::optional<TriangleMesh> mesh = in_space.region.mesh;
     if (mesh) {
         solid::check_want(whole.want);
@@ -261,8 +258,8 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
                     "the mass of the domain is too large or too small for float64: give the density in another unit");
             for (double& value : density->values) value /= mean;
         }
-        std::vector<double> volumes = checked_targets(job, targets, all / unit, options);
-        for (double& volume : volumes) volume *= unit / mean;
+        std::vector<double> volumes = checked_targets(job, targets, all, options);
+        for (double& volume : volumes) volume /= mean;
         fit(job, mesh, std::move(density), volumes, options, sheet ? 2 : 3, pool, out);
     }
     const Timed last(out.seconds.tessellate);

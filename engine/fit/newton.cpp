@@ -17,7 +17,7 @@ constexpr double min_goal = 0.25;   // goal / volume: smaller cells die when lar
 constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
 // Steps from a larger residual change most cells.
-constexpr double long_step = 1;
+constexpr double long_step = 10;
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
 constexpr double dying = 1e-4, max_dying = 0.1;
 constexpr int max_revivals = 3, max_first_revivals = 40;
@@ -30,7 +30,7 @@ constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_fille
 constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
 
 // A first step shorter than this, of so many seeds, is worth a fit of fewer seeds.
-constexpr double hard_share = 0.12;
+constexpr double hard_share = 0.25;
 constexpr Eigen::Index min_seeds = 256;
 constexpr double part_tolerance = 0.1;
 

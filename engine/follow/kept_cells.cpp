@@ -20,6 +20,8 @@ constexpr std::size_t min_tested = 512, min_sample = 32, sample_share = 64, max_
 // Shares of cells, from which on a fresh call is faster: those of a sample that have wrong signs, those of it that must
 // be made again, and all pending ones.
 constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
+// Power cells beside their seeds take several times as long to find.
+constexpr double max_wrong_beside = 0.7;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
 constexpr std::size_t rows_sample = 64;
@@ -181,7 +183,7 @@ bool KeptCells::sample_pays(const Job& job) {
         before.emplace_back(s, places_[s]);
         places_[s] = place_of(job, static_cast<std::size_t>(order_[s]));
     };
-    std::size_t tested = 0, wrong = 0, made = 0;
+    std::size_t tested = 0, wrong = 0, made = 0, beside = 0;
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step =
@@ -195,13 +197,21 @@ bool KeptCells::sample_pays(const Job& job) {
                 continue;
             }
             place(s);
-            for (const std::int32_t id : cell.ids())
-                if (id >= 0) place(static_cast<std::size_t>(id));
+            bool lies_beside = false;
+            for (const std::int32_t id : cell.ids()) {
+                if (id < 0) continue;
+                const auto other = static_cast<std::size_t>(id);
+                place(other);
+                const auto [x, y, z] = nearest_way(frame_, places_[s].x, places_[other].x);
+                lies_beside |= x * x + y * y + z * z < places_[other].weight - places_[s].weight;
+            }
+            beside += lies_beside ? 1 : 0;
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
     for (std::size_t k = before.size(); k > 0; --k) places_[before[k - 1].first] = before[k - 1].second;
-    const double expected = max_wrong * static_cast<double>(tested);
-    const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (max_wrong / max_made);
+    const double share = std::lerp(max_wrong, max_wrong_beside, static_cast<double>(beside) / static_cast<double>(tested));
+    const double expected = share * static_cast<double>(tested);
+    const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (share / max_made);
     return cost <= expected + std::sqrt(expected);  // by chance
 }
 

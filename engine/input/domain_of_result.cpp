@@ -8,6 +8,7 @@
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "input/settle.hpp"
+#include "result/handle.hpp"
 
 namespace votess {
 namespace {
@@ -24,6 +25,7 @@ Region region_of(const Tessellation& t) {
         region.box = t.box(), region.periodic = t.periodic();
     region.walls.assign(t.walls().begin(), t.walls().end());
     region.planar = t.planar();
+    region.thickness = detail::result_of(t).thickness;
     const bool dropped = std::ranges::find(t.status(), CellStatus::outside) != t.status().end();
     region.outside = dropped ? Outside::drop : Outside::keep;
     return region;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/measure_unit.hpp"
 #include "domain/domain.hpp"
 #include "input/settled.hpp"
 #include "votess/votess.hpp"
@@ -59,6 +60,7 @@ struct Job : Settled {
     // Owner of the points. An engine that needs them no more may use its memory(). May be null.
     Snapshot* snapshot = nullptr;
 
+    [[nodiscard]] MeasureUnit unit() const { return {1 / scale, region.thickness}; }
     [[nodiscard]] std::size_t rows() const { return only ? only->ids().size() : points.count(); }
 };
 

@@ -39,11 +39,11 @@ exact::Point middle_of(const Box& box) {
     return middle;
 }
 
-// Rounds once where the volume is subnormal, as the sum of volumes of cells does.
-double volume_of(const Box& box) {
+// Rounds once where the volume is subnormal, as the sum of volumes of cells does. thickness: of a sheet.
+double volume_of(const Box& box, double thickness) {
     double mantissa = 1;
     int exponent = 0, own = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < (thickness > 0 ? 2 : 3); ++k) {
         mantissa *= std::frexp(box.upper[k] - box.lower[k], &own);
         exponent += own;
     }
@@ -262,7 +262,7 @@ void set_walls(Job& job, Domain& domain) {
     polyhedron.start(*any_inside, domain);
     cpu::CellFaces faces;
     polyhedron.canonical_faces(faces);
-    if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
+    if (faces.size() >= 4) job.box_volume = job.unit().volume(polyhedron.measure(faces).volume);
 }
 
 // Returns the wall of a triclinic box that x is farthest beyond, how far, and what to do.
@@ -381,10 +381,10 @@ void make_domain(Job& job) {
                     refuse(std::string("Options::cell: it exceeds the largest double along ") + axis_name[k] +
                            ": give lengths in a larger unit");
         }
-        job.box_volume = domain->volume / job.scale / job.scale / job.scale;
+        job.box_volume = job.unit().volume(domain->volume);
     } else {
         *domain = box_domain(scaled(job.box, job.scale), job.region.periodic);
-        job.box_volume = volume_of(job.box);
+        job.box_volume = volume_of(job.box, job.region.thickness);
         keep_outside_box(job, *domain);
     }
     set_walls(job, *domain);

@@ -21,7 +21,7 @@ void check_flat(double z, const std::string& what) {
 }
 
 void check_with_mesh(const Region& region) {
-    if (region.cell && (region.planar || region.in_sheet))
+    if (region.cell && (region.planar || region.thickness > 0))
         refuse_with_mesh("a triclinic box needs three dimensions: give Options::box, which may be periodic");
     if (region.cell && region.cell->periodic != std::array{true, true, true})
         refuse_with_mesh(
@@ -62,7 +62,7 @@ std::int32_t EndlessSides::id() const {
 
 Region in_sheet(Region region, double height) {
     region.planar = false;
-    region.in_sheet = true;
+    region.thickness = 2 * height;
     if (region.periodic[2]) refuse("Options::periodic: z repeats, but points of the plane have none: leave it out");
     if (region.box) {
         check_flat(region.box->lower[2], "Options::box");

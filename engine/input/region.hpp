@@ -23,7 +23,8 @@ struct Region {
     std::optional<TriangleMesh> mesh;
     Outside outside = Outside::error;
     bool planar = false;
-    bool in_sheet = false;  // of the plane, as a sheet in space: a mesh reaches beyond its walls
+    // Of the sheet in space that stands for the plane, a power of two: a mesh reaches beyond its walls. Else 0.
+    double thickness = 0;
 
     // Returns the axes, or the edges of the cell, along which it repeats.
     [[nodiscard]] const std::array<bool, 3>& repeats() const { return cell ? cell->periodic : periodic; }

@@ -58,7 +58,8 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span
     measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
     ranked_ = measured_ || want_.neighbors;
     row_places_ = row_places;
-    unscale_ = 1 / job.scale;
+    thickness_ = job.region.thickness;
+    unit_ = job.unit();
     counters_ = {};
     const Box& box = domain_->box;
     const Vector3 diagonal = minus(box.upper, box.lower);
@@ -239,7 +240,7 @@ void CellWriter::write_none(std::size_t output, CellStatus status) {
 
 void CellWriter::write_measures() {
     const CellMeasures& m = measures_;
-    const double unscale = unscale_of_cell();
+    const MeasureUnit unit = unit_of_cell();
     if (m.exponent == 0) {
         tally_.add(face_areas_.subspan(wall_faces_));
     } else {
@@ -247,20 +248,21 @@ void CellWriter::write_measures() {
         for (double& area : areas) area = std::ldexp(area, 2 * m.exponent);
         tally_.add(areas);
     }
-    if (want_.volumes) out_->arrays().volumes[output_] = m.volume * unscale * unscale * unscale;
+    if (want_.volumes) out_->arrays().volumes[output_] = unit.volume(m.volume);
     if (want_.centroids) {
         const exact::Point p = place();
         for (std::size_t k = 0; k < 3; ++k)
-            out_->arrays().centroids[3 * output_ + k] = (m.centroid[k] + p[k]) * unscale_;
+            out_->arrays().centroids[3 * output_ + k] = unit_.length(m.centroid[k] + p[k]);
     }
     if (want_.surfaces)
         out_->arrays().surface_areas[output_] =
-            std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0) * unscale * unscale;
-    if (want_.radii) out_->arrays().security_radii[output_] = 2 * std::sqrt(m.farthest_squared) * unscale;
+            unit.area(std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0));
+    if (want_.radii) out_->arrays().security_radii[output_] = unit.length(2 * std::sqrt(m.farthest_squared));
 }
 
-double CellWriter::unscale_of_cell() const {
-    return measures_.exponent == 0 ? unscale_ : std::ldexp(unscale_, measures_.exponent);
+MeasureUnit CellWriter::unit_of_cell() const {
+    if (measures_.exponent == 0) return unit_;
+    return {std::ldexp(unit_.length(1), measures_.exponent), thickness_};
 }
 
 void CellWriter::write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
@@ -406,8 +408,8 @@ void CellWriter::write_row() {
     Rows& rows = rows_of_cell();
     if (count > 0) write_steps(rows);
     if (want_.areas) {
-        const double unscale = unscale_of_cell();  // whose square may overflow
-        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * unscale * unscale;
+        const MeasureUnit unit = unit_of_cell();
+        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = unit.area(face_areas_[hidden_ + k]);
     }
     if (want_.normals)
         for_listed([&](std::size_t f, std::size_t entry) {

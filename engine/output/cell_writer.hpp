@@ -126,8 +126,8 @@ private:
     void measure(const Cell& cell);
     [[nodiscard]] bool measure_by_kernel(CellShape& shape);
     void write_measures();
-    // Returns the factor from the unit of measures_ to that of the result.
-    [[nodiscard]] double unscale_of_cell() const;
+    // Returns the unit of measures_.
+    [[nodiscard]] MeasureUnit unit_of_cell() const;
     void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
     // Fills names_ and ranks_ of faces: sorted seeds or walls. Their shifts are face_shifts_, or those of the ids if
     // these are empty.
@@ -152,7 +152,8 @@ private:
     Want want_;
     bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, ranked_ = false;
     std::span<const std::int32_t> row_places_;
-    double unscale_ = 1;
+    double thickness_ = 0;  // of a sheet
+    MeasureUnit unit_;
     CellCounters counters_;
     FaceTally tally_;
     bool in_parts_ = false;

@@ -93,6 +93,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     counters_ = {};
     faces_.begin(0);
     scale_ = job.scale;
+    unit_ = job.unit();
     want_neighbors_ = want.neighbors;
     want_areas_ = want.areas;
     want_normals_ = want.normals;
@@ -100,6 +101,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.box = job.box;
     result_.periodic = job.domain->periodic;
     result_.cell = job.region.cell;
+    result_.thickness = job.region.thickness;
     result_.walls = job.region.walls;
     if (job.reports_weights) {
         result_.weights.resize_uninitialized(job.only ? count : job.domain->weights.size());
@@ -592,7 +594,7 @@ void ResultBuilder::measure_polygons(ThreadPool& pool) {
 void ResultBuilder::count_tiny_faces(Stats& stats) const {
     stats.tiny_faces = faces_.count();
     if (result_.least_face == 0) return;
-    const double limit = faces_.limit() / scale_ / scale_;
+    const double limit = unit_.area(faces_.limit());
     std::uint64_t count = 0;
     for (std::size_t entry = 0; entry < result_.indices.size() && result_.least_face < limit; ++entry)
         count += result_.indices[entry] >= 0 && result_.face_areas[entry] < limit ? 1 : 0;

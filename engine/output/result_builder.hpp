@@ -168,6 +168,7 @@ private:
     std::size_t touched_cells_ = 0, touched_entries_ = 0;  // with pages made present
     double min_face_ = 0, min_area_ = 0;
     double box_volume_ = 0, scale_ = 1;
+    MeasureUnit unit_;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until settle()
     std::mutex mutex_;       // guards the following members
     PageStock stock_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "core/arithmetic.hpp"
 #include "core/at.hpp"
@@ -89,7 +90,7 @@ Sheet::Sheet(const Box& of_points, std::uint64_t count, Settled planar)
     const bool endless = EndlessSides(region).any();
     Box bounds = of_points;
     if (region.mesh) include(*region.mesh, bounds), count = std::max<std::uint64_t>(count, 1);
-    double width = 0, length = 0;
+    double width = 0, length = 0, height = 1;
     if (region.cell) {
         const auto &a = region.cell->a, &b = region.cell->b;
         width = std::hypot(a[0], a[1]);
@@ -105,10 +106,9 @@ Sheet::Sheet(const Box& of_points, std::uint64_t count, Settled planar)
     }
     const double distance =
         std::sqrt(width) * std::sqrt(length) / std::sqrt(static_cast<double>(std::max<std::uint64_t>(count, 1)));
-    if (distance > 0 && std::isfinite(distance)) height_ = std::ldexp(relative_height, std::ilogb(distance));
-    region = in_sheet(std::move(region), height_);
-    if (region.mesh) region.mesh = prism_.emplace(*region.mesh, relative_prism * height_).view();
-    in_space_.min_area *= 2 * height_;
+    if (distance > 0 && std::isfinite(distance)) height = std::ldexp(relative_height, std::ilogb(distance));
+    region = in_sheet(std::move(region), height);
+    if (region.mesh) region.mesh = prism_.emplace(*region.mesh, relative_prism * height).view();
     add_sheet_wants(in_space_.want, in_space_.list_walls);
     imply(in_space_);
 }
@@ -117,7 +117,7 @@ namespace {
 
 // Drops the walls of the sheet, and all walls where the plane lists none. Keeps the corners above, which stand for
 // those of the plane, and the upper edge of each side.
-void flatten_rows(Result& r, double thickness, const Want& wanted, bool list_walls) {
+void flatten_rows(Result& r, const Want& wanted, bool list_walls) {
     std::vector<std::int32_t> corner(r.vertices.size() / 3, -1);
     std::int32_t corners = 0;
     for (std::size_t v = 0; v < corner.size(); ++v) {
@@ -146,7 +146,7 @@ void flatten_rows(Result& r, double thickness, const Want& wanted, bool list_wal
         for (std::size_t e = at(r.indptr[i]); e < at(r.indptr[i + 1]); ++e) {
             const std::int32_t id = r.indices[e];
             stays[e] = !Sheet::bounds(id) && (id >= 0 || list_walls);
-            if (!Sheet::bounds(id) && !r.face_areas.empty()) perimeter += r.face_areas[e] / thickness;
+            if (!Sheet::bounds(id) && !r.face_areas.empty()) perimeter += r.face_areas[e];
             if (!has_faces) continue;
             const auto polygon = std::span<const std::int32_t>(r.face_vertices)
                                      .subspan(at(r.face_offsets[e]), at(r.face_offsets[e + 1] - r.face_offsets[e]));
@@ -155,7 +155,7 @@ void flatten_rows(Result& r, double thickness, const Want& wanted, bool list_wal
                     if (v >= 0) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
             if (stays[e]) edges.push_back(upper_edge(polygon, corner));
         }
-        if (wanted.surfaces) r.surface_areas[i] = perimeter + (r.mesh_areas.empty() ? 0 : r.mesh_areas[i] / thickness);
+        if (wanted.surfaces) r.surface_areas[i] = perimeter + (r.mesh_areas.empty() ? 0 : r.mesh_areas[i]);
         if (has_faces) r.cell_vertex_indptr[i + 1] = polygons;
     }
     r.cell_vertex_indices.resize_uninitialized(at(polygons));
@@ -171,22 +171,19 @@ void flatten_rows(Result& r, double thickness, const Want& wanted, bool list_wal
 
 }  // namespace
 
-void flatten(Result& result, double thickness, const Want& wanted, bool list_walls) {
+void flatten(Result& result, const Want& wanted, bool list_walls) {
     result.planar = true;
     const std::size_t count = result.status.size();
-    flatten_rows(result, thickness, wanted, list_walls);
+    flatten_rows(result, wanted, list_walls);
     detail::drop_third_components(result);
-    for (auto* measures : {&result.volumes, &result.face_areas, &result.mesh_areas})
-        for (double& x : *measures) x /= thickness;
     for (std::size_t i = 0; i < result.face_counts.size(); ++i) {
         if (result.face_counts[i] == 0) continue;
         result.face_counts[i] -= Sheet::more_faces;
         result.edge_counts[i] = result.vertex_counts[i] = result.face_counts[i];
     }
-    const double height = thickness / 2;
+    const double height = std::exchange(result.thickness, 0) / 2;
     for (double& radius : result.security_radii)
         radius = 2 * std::sqrt(std::max(0.0, (radius / 2 - height) * (radius / 2 + height)));
-    result.least_face /= thickness;
     detail::keep_wanted(result, wanted, list_walls);
 
     const auto make_flat = [](std::array<double, 3>& x) { x[2] = 0; };
@@ -198,8 +195,6 @@ void flatten(Result& result, double thickness, const Want& wanted, bool list_wal
     }
     Stats& stats = result.stats;
     const std::uint64_t cells = count - stats.empty_cells;
-    stats.volume_sum /= thickness;
-    stats.box_volume /= thickness;
     if (!result.mesh_cells) stats.faces -= Sheet::more_faces * cells;
     stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
 }

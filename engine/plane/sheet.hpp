@@ -1,6 +1,6 @@
 // Two dimensions: the cells of points of the plane are those of a thin sheet between two walls, seen from above. Each
 // is a prism over a polygon. The walls lie at z = -h and z = h, where h is a power of two. So areas and lengths are the
-// volumes and areas of the sheet divided by 2h, without rounding.
+// volumes and areas of the sheet divided by 2h, without rounding: the measures that its result holds, see MeasureUnit.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace votess {
 // Adds what a sheet needs for the wants of the plane.
 void add_sheet_wants(Want& want, bool& list_walls);
 // Turns the result of a sheet into that of the plane. wanted, list_walls: those of the plane, with all that they imply.
-void flatten(detail::Result& result, double thickness, const Want& wanted, bool list_walls);
+void flatten(detail::Result& result, const Want& wanted, bool list_walls);
 
 // Returns (N, 3) points, with z = 0. points: (N, 2), whole ones.
 [[nodiscard]] inline std::vector<double> in_sheet(const Points& points) {
@@ -47,14 +47,13 @@ public:
     [[nodiscard]] const Settled& in_space() const { return in_space_; }
     [[nodiscard]] Settled take_in_space() { return std::move(in_space_); }
     [[nodiscard]] std::vector<double> take_points() { return std::move(points_); }
-    [[nodiscard]] double thickness() const { return 2 * height_; }
     // Returns whether a wall is that below or above all points.
     [[nodiscard]] static bool bounds(std::int32_t wall) { return wall == below || wall == above; }
     // Faces that a cell of the sheet has and the cell of the plane has not.
     static constexpr std::uint32_t more_faces = 2;
     // Turns the result of the sheet into that of the plane.
     void flatten(detail::Result& result) const {
-        votess::flatten(result, thickness(), wanted_, list_walls_);
+        votess::flatten(result, wanted_, list_walls_);
         if (prism_) result.mesh_edges = std::make_shared<const std::vector<std::int32_t>>(prism_->names());
     }
 
@@ -66,7 +65,6 @@ private:
     Settled in_space_;
     Want wanted_;      // of the plane
     bool list_walls_;  // of the plane
-    double height_ = 1;
 };
 
 }  // namespace votess

@@ -107,7 +107,7 @@ double set_norm(CellPlane& plane) {
 FilterPlane filter_of(const CellPlane& plane) {
     return {plane.unit * plane.n[0], plane.unit * plane.n[1],
             plane.unit * plane.n[2], plane.h,
-            plane.unit * plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
+            plane.unit * plane.norm, 12 * unit * std::abs(plane.h) + (plane.reliable ? 0 : plane.h_error)};
 }
 
 }  // namespace
@@ -161,6 +161,9 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
     }
     set_norm(plane);
     plane.h = h.high / plane.unit;
+    // Each product and each sum adds less than 20 u^2 of its size. So a wall next to the seed may have no digits of h,
+    // but vertices elsewhere have certain sides.
+    if (plane.reliable && !source.is_bisector()) plane.h_error = 0x1p-98 * size + smallest_height;
     plane.reliable = plane.reliable && std::abs(h.high) > worst_cancellation * size;
     return plane;
 }
@@ -207,6 +210,7 @@ void Cell::start_without_walls(const exact::Point& seed, const Domain& domain, s
     slots_ = 8;
     free_.clear();
     last_ = 0;
+    places_.clear();
     refined_plane_.id = no_plane;
     used_exact_ = met_tie_ = radius_known_ = moved_radius_known_ = empty_ = sharp_ = false;
     radius_squared_ = moved_radius_ = infinity;
@@ -366,6 +370,7 @@ void Cell::drop_if_flat() {
     for (const std::int32_t p : std::array(corners_[first].plane)) {
         const CellPlane& plane = planes_[p];
         const FilterPlane filter = filter_of(plane);
+        ++test_;
         bool flat = true;
         for_each_alive([&](int v) {
             const auto& [a, b, c] = corners_[v].plane;
@@ -462,12 +467,20 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
 
 int Cell::side_exact(int slot, const CellPlane& plane) {
     used_exact_ = true;
-    if (const int side = side_by_axis(slot, plane); side != 0) return side;
-    if (const int refined = refined_side(slot, plane); refined != 0) return refined;
-    const auto& [a, b, c] = corners_[slot].plane;
-    const int side =
-        exact::side_of_vertex(seed_, planes_[a].source, planes_[b].source, planes_[c].source, plane.source);
+    std::int32_t& place = refined_[slot].place;
+    if (place >= 0 && places_[place].test == test_) return places_[place].side;
+    int side = side_by_axis(slot, plane);
+    if (side == 0) side = refined_side(slot, plane);
+    if (side == 0) {
+        const auto& [a, b, c] = corners_[slot].plane;
+        side = exact::side_of_vertex(seed_, planes_[a].source, planes_[b].source, planes_[c].source, plane.source);
+    }
     if (side == 0) met_tie_ = true;
+    if (side == 0 && place < 0) {
+        place = static_cast<std::int32_t>(places_.size());
+        places_.emplace_back();
+    }
+    if (place >= 0) places_[place] = {test_, side};
     return side;
 }
 
@@ -652,6 +665,7 @@ void Cell::spread(const CellPlane& plane, const FilterPlane& filter) {
 }
 
 bool Cell::clip(const CellPlane& plane) {
+    ++test_;
     const FilterPlane filter = filter_of(plane);
     killed_.clear();
     std::optional<bool> any;
@@ -694,6 +708,9 @@ bool Cell::clip(const CellPlane& plane) {
                 survivor.next[k] = v;
         ring_[edge.first] = v;
         place_vertex(v, edge.first, edge.second, added);
+        const std::int32_t place = refined_[edge.survivor].place;
+        const bool coincide = place >= 0 && places_[place].test == test_ && places_[place].side == 0;
+        refined_[v].place = coincide ? place : -1;
     }
     for (const HorizonEdge& edge : horizon_) {
         const int v = ring_[edge.first], w = ring_[edge.second];
@@ -706,6 +723,7 @@ bool Cell::clip(const CellPlane& plane) {
 }
 
 bool Cell::same_position(int v, int w, int shared_edge) {
+    if (refined_[v].place >= 0 && refined_[v].place == refined_[w].place) return true;
     const double reach = tolerance_[v] + tolerance_[w];
     if (std::abs(x_[v] - x_[w]) > reach || std::abs(y_[v] - y_[w]) > reach || std::abs(z_[v] - z_[w]) > reach)
         return false;

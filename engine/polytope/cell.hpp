@@ -10,7 +10,8 @@
 //     |n.x - h - exact| <= |n| (|x - X| + 6u |x|) + 12 u h .
 // Vertices worse than `worst_condition` are solved exactly and rounded. exact::side_of_vertex decides signs inside the
 // bound. A vertex that many bisectors almost touch (seeds near a sphere) is first solved once to 106 bits and tested in
-// double-double arithmetic.
+// double-double arithmetic. Where a plane cuts edges in a vertex that it touches, the new vertices coincide with that
+// one, and one exact test is that of all: so a cell whose n faces meet in one place takes n such tests, not n^2.
 //
 // A plane is compared with all vertices of a cell that has few. In a larger cell it climbs along edges to the vertex
 // farthest outside, and spreads over those outside from there. So a cell of n faces takes n log n, not n^2, if planes
@@ -20,6 +21,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -41,6 +43,7 @@ struct CellPlane {
     exact::Plane source;
     exact::Shift shift{};  // of the image q, between positions inside a periodic box
     double unit = 1;       // power of two that brings a very short n to order one
+    double h_error = std::numeric_limits<double>::infinity();  // bound on that of h, where it is not reliable
 };
 
 // Returns the plane of a bisector or a wall as seen by a seed at p.
@@ -149,6 +152,12 @@ private:
         bool solved = false, split = false;
         std::array<exact::DoubleDouble, 3> position{};
         std::array<double, 3> at{}, error{};  // by axis, see by_axis()
+        std::int32_t place = -1;              // in places_, after a tie
+    };
+    // Of vertices that coincide: the side of the last plane that was decided exactly.
+    struct Place {
+        std::uint64_t test;
+        int side;
     };
     struct RefinedPlane {
         std::int32_t id;
@@ -203,6 +212,8 @@ private:
     std::vector<Corner> corners_;
     std::vector<Refined> refined_;
     RefinedPlane refined_plane_{};  // of the last plane tested
+    std::vector<Place> places_;
+    std::uint64_t test_ = 0;  // number of the plane that is tested
     std::vector<std::uint64_t> alive_;
     std::vector<std::int32_t> free_;     // slots
     std::vector<std::int32_t> killed_;   // slots outside the current plane

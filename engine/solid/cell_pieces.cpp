@@ -527,16 +527,15 @@ void CellPieces::write(Pieces& out) {
         for (std::size_t k = 0; k < 3; ++k) around.moment[k] += surface.moment[k];
     }
     std::ranges::stable_sort(order, std::ranges::greater(), [&](Id s) { return surfaces_[at(s)].sum; });
-    const double unscale = 1 / scale_;
     const exact::Point& origin = cut_->origin_;
     const Vector3& apex = cut_->apex_;
     new_vertex_.assign(places_.size(), -1);
     for (const Id s : order) {
         const Surface& surface = surfaces_[at(s)];
         const double volume = surface.sum;
-        out.volumes.push_back(volume * unscale * unscale * unscale);
+        out.volumes.push_back(unit_.volume(volume));
         for (std::size_t k = 0; k < 3; ++k)
-            out.centroids.push_back((surface.moment[k] / volume + apex[k] + origin[k]) * unscale);
+            out.centroids.push_back(unit_.length(surface.moment[k] / volume + apex[k] + origin[k]));
         Id count = 0;
         for (const Id t : surface.triangles) {
             const Triangle& triangle = triangles_[at(t)];
@@ -547,7 +546,7 @@ void CellPieces::write(Pieces& out) {
                     for (std::size_t k = 0; k < 3; ++k) {
                         const double x =
                             of_mesh >= 0 ? mesh_.vertex(of_mesh)[k] : places_[at(v)][k] + apex[k] + origin[k];
-                        out.vertices.push_back(x * unscale);
+                        out.vertices.push_back(unit_.length(x));
                     }
                 }
                 out.triangles.push_back(new_vertex_[at(v)]);

@@ -21,6 +21,7 @@
 #include <span>
 #include <vector>
 
+#include "core/measure_unit.hpp"
 #include "solid/cut_cell.hpp"
 #include "solid/ear_clipping.hpp"
 #include "votess/pieces.hpp"
@@ -30,7 +31,7 @@ namespace votess::solid {
 // One for each thread.
 class CellPieces {
 public:
-    CellPieces(const ClosedMesh& mesh, double scale) : mesh_(mesh), scale_(scale) {}
+    CellPieces(const ClosedMesh& mesh, const MeasureUnit& unit) : mesh_(mesh), unit_(unit) {}
 
     // Appends the pieces of a cell, the largest first. meets_surface: as measured; else the whole cell counts `winding`
     // times. Offsets begin at 0 in `out`.
@@ -110,7 +111,7 @@ private:
     [[nodiscard]] int winding_at(Id slot) const;
 
     const ClosedMesh& mesh_;
-    double scale_;
+    MeasureUnit unit_;
     CutCell* cut_ = nullptr;
     bool meets_surface_ = false;
     int plain_winding_ = 0;

@@ -243,34 +243,33 @@ void ClosedMesh::find_volume() {
     }
     if (!std::isfinite(length)) refuse("its size exceeds the largest double: give lengths in a larger unit");
     if (length == 0) refuse("all vertices lie at one place: it encloses no volume");
-    // In units of the length, so that no product leaves the range.
+    // No product leaves the range in units of about the length.
+    const int power = -std::ilogb(length);
+    unit_ = std::ldexp(1, -power);
     Sum sum;
     double size = 0;
     for (const auto& t : given_) {
         std::array<Vector3, 3> x;
         for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t k = 0; k < 3; ++k) x[i][k] = (vertex(t[i])[k] - middle[k]) / length;
+            for (std::size_t k = 0; k < 3; ++k) x[i][k] = std::ldexp(vertex(t[i])[k] - middle[k], power);
         const Vector3 a = minus(x[1], x[0]), b = minus(x[2], x[0]);
         sum += dot(x[0], cross(a, b)) / 6;
         size += length3(x[0]) * length3(a) * length3(b);
     }
-    double volume = sum.value();
-    volume_ = volume * length * length * length;
-    if (!(std::abs(volume) > sure_volume * size)) {  // as of the high prism over polygons
-        volume = volume_ = long_volume(length);
-        if (std::isnan(volume)) volume = volume_ = exact_volume();
-    }
-    if (volume == 0) refuse("it encloses no volume");
-    if (volume < 0)
-        refuse("its triangles face inward, so that it encloses the volume " + number(volume_) +
+    volume_ = sum.value();
+    if (!(std::abs(volume_) > sure_volume * size)) volume_ = long_volume();  // as of the high prism over polygons
+    if (std::isnan(volume_)) volume_ = exact_volume();
+    if (volume_ == 0) refuse("it encloses no volume");
+    if (volume_ < 0)
+        refuse("its triangles face inward, so that it encloses the volume " + number(volume()) +
                ": reverse the vertices of each, in the plane those of each edge");
 }
 
 // In two doubles. NaN if the digits do not suffice for a rounded sum.
-double ClosedMesh::long_volume(double length) const {
+double ClosedMesh::long_volume() const {
     using exact::DoubleDouble;
     constexpr double sure = 0x1p-40;
-    const int power = -std::ilogb(length);  // so that no product leaves the range
+    const int power = -std::ilogb(unit_);
     const exact::Point& first = vertex(given_.front()[0]);
     DoubleDouble six_fold;
     double size = 0;
@@ -290,7 +289,7 @@ double ClosedMesh::long_volume(double length) const {
         size += bound;
     }
     if (!(std::abs(six_fold.high) > sure * size)) return std::numeric_limits<double>::quiet_NaN();
-    return std::ldexp((six_fold.high + six_fold.low) / 6, -3 * power);
+    return (six_fold.high + six_fold.low) / 6;
 }
 
 double ClosedMesh::exact_volume() const {
@@ -312,7 +311,7 @@ double ClosedMesh::exact_volume() const {
         check_stop();
         six_fold = six_fold + dot(relative(t[0], first), cross(relative(t[1], first), relative(t[2], first)));
     }
-    return static_cast<double>(ldexp(static_cast<exact::Quad>(six_fold), 3 * quantum)) / 6;
+    return static_cast<double>(ldexp(static_cast<exact::Quad>(six_fold), 3 * (quantum - std::ilogb(unit_)))) / 6;
 }
 
 void ClosedMesh::scale_by(double scale) {

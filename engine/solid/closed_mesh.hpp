@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/measure_unit.hpp"
 #include "core/vector3.hpp"
 #include "exact/predicate.hpp"
 #include "votess/votess.hpp"
@@ -22,7 +23,10 @@ public:
     // Multiplies coordinates by a power of two, and makes the tree. Throws invalid_argument if that loses bits.
     void scale_by(double scale);
 
-    [[nodiscard]] double volume() const { return volume_; }  // as given
+    // As given. height: of a prism along z, a power of two, whose area is returned; or 0.
+    [[nodiscard]] double volume(double height = 0) const {
+        return MeasureUnit(unit_, height).volume(volume_);
+    }
     [[nodiscard]] std::uint64_t moved_vertices() const { return moved_; }
     [[nodiscard]] double moved_distance() const { return distance_; }       // the largest, as given
     [[nodiscard]] const Box& bounds() const { return bounds_; }             // as given
@@ -83,7 +87,8 @@ private:
     [[nodiscard]] std::string between(std::int32_t a, std::int32_t b, const char* word) const;
     void check_closed() const;
     void find_volume();
-    [[nodiscard]] double long_volume(double length) const;
+    // Return the volume in units.
+    [[nodiscard]] double long_volume() const;
     [[nodiscard]] double exact_volume() const;
     void make_tree();
     void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
@@ -96,7 +101,7 @@ private:
     std::vector<Box> boxes_;  // of triangles
     std::vector<Node> nodes_;
     Box bounds_;
-    double volume_ = 0;
+    double volume_ = 0, unit_ = 1;  // in units of a power of two; its length
     bool merged_ = false;
     std::uint64_t moved_ = 0;
     double distance_ = 0;

@@ -132,7 +132,6 @@ private:
 }  // namespace
 
 Pieces flat_pieces(const Pieces& prisms, const MeshCells& cells, std::span<const std::int32_t> edges) {
-    const double thickness = 2 * cells.half_height / cells.scale;
     // Returns the vertex of the mesh that ends an edge of an outline, if the next one lies on another edge there.
     const auto mesh_vertex = [&](const OutlineEdge& edge,
                                  const OutlineEdge& next) -> std::optional<std::array<double, 2>> {
@@ -164,7 +163,7 @@ Pieces flat_pieces(const Pieces& prisms, const MeshCells& cells, std::span<const
             }
         flat.vertex_offsets.push_back(static_cast<std::int64_t>(flat.vertices.size() / 2));
         flat.triangle_offsets.push_back(static_cast<std::int64_t>(flat.sources.size()));
-        flat.volumes.push_back(prisms.volumes[p] / thickness);
+        flat.volumes.push_back(prisms.volumes[p]);
         for (std::size_t k = 0; k < 2; ++k) flat.centroids.push_back(prisms.centroids[3 * p + k]);
     };
     for (std::size_t row = 0; row + 1 < prisms.indptr.size(); ++row) {

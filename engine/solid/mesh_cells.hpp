@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "core/measure_unit.hpp"
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
 
@@ -43,6 +44,7 @@ struct MeshCells {
     std::vector<exact::Shift> image_shifts;  // from places inside the domain
     std::vector<int> winding;                // by image: of plain ones; `cut` for others
 
+    [[nodiscard]] MeasureUnit unit() const { return {1 / scale, 2 * half_height / scale}; }
     // Prepares for the cells of a sheet, whose domain is set.
     void raise() {
         Box box = domain->box;

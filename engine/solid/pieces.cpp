@@ -91,7 +91,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     pool.run_stage(parts.size(), [&](std::size_t index, unsigned worker) {
         if (!workers[worker])
             workers[worker] =
-                std::make_unique<Worker>(Worker{{cells->mesh, *cells->domain, true}, {cells->mesh, cells->scale}});
+                std::make_unique<Worker>(Worker{{cells->mesh, *cells->domain, true}, {cells->mesh, cells->unit()}});
         auto& [cell, maker] = *workers[worker];
         for (std::size_t r = index * cells_per_task; r < std::min(cells->rows(), (index + 1) * cells_per_task); ++r) {
             check_stop();

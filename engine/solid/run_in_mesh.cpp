@@ -120,7 +120,7 @@ private:
     void keep_cells() {
         cells_->domain = job_.domain;
         cells_->scale = job_.scale;
-        if (job_.region.in_sheet) cells_->raise();
+        if (job_.region.thickness > 0) cells_->raise();
         if (job_.only) cells_->ids = job_.only->ids();
         cells_->indptr = std::move(result_.indptr);
         cells_->indices = std::move(result_.indices);
@@ -247,7 +247,7 @@ private:
     // Cuts the images of a cell, and adds their measures.
     void cut_row(std::size_t r, CutCell& cell) {
         const std::size_t begin = at(cells_->indptr[r]), end = at(cells_->indptr[r + 1]);
-        const double unscale = 1 / job_.scale, square = unscale * unscale;
+        const MeasureUnit unit = job_.unit();
         const auto [first, last] = cells_->images(r);
         std::vector<double> whole;  // areas
         if (has_areas_) {
@@ -271,19 +271,20 @@ private:
                           dropped_.begin() + static_cast<std::ptrdiff_t>(end), 1);
             }
             winding_[i] = unknown;
-            result_.mesh_areas[r] += m.surface * square;
+            result_.mesh_areas[r] += unit.area(m.surface);
             for (const CutMeasures::Face& face : m.faces) {
                 const std::size_t e = entry(r, face.id, face.shift);
                 if (e == no_entry || (face.area == 0 && !face.is_unsure)) continue;
                 if (!face.is_unsure)
-                    add_area(e, face.area * square);
+                    add_area(e, unit.area(face.area));
                 else if (dropped_[e] == 1)
                     dropped_[e] = unsure;
             }
             if (m.empty) continue;
             touches = false;
-            volume += m.volume * square * unscale;
-            for (std::size_t k = 0; k < 3; ++k) moment[k] += m.volume * square * unscale * m.centroid[k];
+            const double part = unit.volume(m.volume);
+            volume += part;
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += part * m.centroid[k];
         }
         if (plain_[r] != 0) return;
         const exact::Point x = position(seed_of(r), {});
@@ -301,7 +302,7 @@ private:
         empty_[r] = touches ? 1 : 0;
         result_.volumes[r] = volume;
         if (wanted_.centroids)
-            for (std::size_t k = 0; k < 3; ++k) result_.centroids[3 * r + k] = (moment[k] / volume + x[k]) * unscale;
+            for (std::size_t k = 0; k < 3; ++k) result_.centroids[3 * r + k] = unit.length(moment[k] / volume + x[k]);
     }
     // Adds to the area of a face that was dropped so far, or has a part already.
     void add_area(std::size_t e, double area) {
@@ -391,7 +392,7 @@ private:
     }
 
     void decide_row(std::size_t r, CutCell& cell) {
-        const double square = 1 / (job_.scale * job_.scale);
+        const MeasureUnit unit = job_.unit();
         std::vector<std::pair<std::size_t, double>> found;  // entries and areas
         const auto [first, last] = cells_->images(r);
         for (std::size_t i = first; i < last; ++i) {
@@ -399,7 +400,7 @@ private:
             for (const CutMeasures::Face& face : cut(r, i, cell, true).faces)
                 if (const std::size_t e = entry(r, face.id, face.shift);
                     e != no_entry && dropped_[e] == unsure && face.area > 0)
-                    found.emplace_back(e, face.area * square);
+                    found.emplace_back(e, unit.area(face.area));
         }
         for (const auto& [e, area] : found) add_area(e, area);
         for (std::size_t e = at(cells_->indptr[r]); e < at(cells_->indptr[r + 1]); ++e)
@@ -644,15 +645,13 @@ void check_want(const Want& want) {
 }
 
 double volume_in(const ClosedMesh& mesh, const Region& region) {
-    if (!region.in_sheet) return mesh.volume();
-    const Box &prism = mesh.bounds(), &sheet = *region.box;  // both heights are powers of two
-    return mesh.volume() * ((sheet.upper[2] - sheet.lower[2]) / (prism.upper[2] - prism.lower[2]));
+    return mesh.volume(region.thickness > 0 ? mesh.bounds().upper[2] - mesh.bounds().lower[2] : 0);
 }
 
 void check_inside(const ClosedMesh& mesh, const Region& region) {
     if (!region.box) return;
     const Box& box = *region.box;
-    for (std::size_t k = 0; k < (region.in_sheet ? 2 : 3); ++k)
+    for (std::size_t k = 0; k < (region.thickness > 0 ? 2 : 3); ++k)
         for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]}) {
             const bool inside = x > box.lower[k] && x < box.upper[k];
             if (inside || (region.periodic[k] && (x == box.lower[k] || x == box.upper[k]))) continue;

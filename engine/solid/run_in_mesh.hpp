@@ -20,7 +20,7 @@ namespace votess::solid {
 // for points that have no box, and for a mesh that is not inside.
 [[nodiscard]] Region region_around(const ClosedMesh& mesh, const Settled& run);
 
-// Returns the volume of a mesh, of a sheet that between its walls.
+// Returns the volume of a mesh, in a sheet the area that its prism stands on.
 [[nodiscard]] double volume_in(const ClosedMesh& mesh, const Region& region);
 // Throws invalid_argument unless the mesh lies in the box of the region, if that has one. A sheet has no ends above and
 // below.

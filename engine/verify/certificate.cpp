@@ -265,7 +265,7 @@ bool Certificate::shared_cover_once(Worker& sum) {
     if (!(domain.periodic[0] && domain.periodic[1] && domain.periodic[2])) return check_volume(sum), true;
     double volume = 0;
     for (const auto& w : workers_) volume += w->shared.volume();
-    const double expected = job_.box_volume * job_.scale * job_.scale * job_.scale;
+    const double expected = job_.domain->volume;
     return std::isnormal(expected) && volume > 0.5 * expected && volume < 1.3 * expected;
 }
 
@@ -518,12 +518,12 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     RowPolytope::Measures& m = w.measures;
     polytope.sharpen(has_places_ ? RowPolytope::sharp : 0x1p-36);
     polytope.measure(m, !numbers_.centroids.empty());
-    const double unscale = unscale_ / polytope.unit(), square = unscale * unscale;
+    const MeasureUnit unit(unscale_ / polytope.unit(), run_.settled.region.thickness);
     if (!result_.stats.tiny_faces) add_areas(w);
-    w.volume += m.volume * square * unscale;
+    w.volume += unit.volume(m.volume);
     // The surface of a convex body is at most pi times the square of its diameter.
     const double wide = m.diameter + 2 * m.error, doubt = 3.2 * wide * wide * m.error;
-    w.doubt += doubt * square * unscale;
+    w.doubt += unit.volume(doubt);
     if (endless_.sides != nullptr)
         for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
             if (endless_.sides->has(result_.indices[e])) return;
@@ -535,30 +535,29 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
         });
     };
     if (!numbers_.volumes.empty())
-        compare("volume", numbers_.volumes[i], m.volume * square * unscale,
-                (tolerance_ * m.volume + doubt) * square * unscale);
+        compare("volume", numbers_.volumes[i], unit.volume(m.volume), unit.volume(tolerance_ * m.volume + doubt));
     std::size_t own = static_cast<std::size_t>(numbers_.indptr[i]);
     for (std::size_t f = 0; f < rows_.end(i) - rows_.begin(i); ++f) {
         if (polytope.name(static_cast<int>(f)).id < 0 && !numbers_.lists_walls) continue;
         if (!numbers_.face_areas.empty())
-            compare("a face of area", numbers_.face_areas[own], m.areas[f] * square,
-                    (tolerance_ * m.surface + 4 * m.error * wide) * square);
+            compare("a face of area", numbers_.face_areas[own], unit.area(m.areas[f]),
+                    unit.area(tolerance_ * m.surface + 4 * m.error * wide));
         const Vector3 normal = numbers_.face_normals.empty() ? Vector3{} : polytope.unit_normal(static_cast<int>(f));
         for (std::size_t k = 0; k < 3 && !numbers_.face_normals.empty(); ++k)
             compare("a normal with a component", numbers_.face_normals[3 * own + k], normal[k], tolerance_);
         ++own;
     }
     if (!numbers_.surface_areas.empty())
-        compare("surface", numbers_.surface_areas[i], m.surface * square,
-                (tolerance_ * m.surface + 4 * m.error * wide * polytope.planes()) * square);
+        compare("surface", numbers_.surface_areas[i], unit.area(m.surface),
+                unit.area(tolerance_ * m.surface + 4 * m.error * wide * polytope.planes()));
     if (!numbers_.security_radii.empty())
-        compare("a security radius of", numbers_.security_radii[i], 2 * m.reach * unscale,
-                (tolerance_ * m.reach + 4 * m.error) * unscale);
+        compare("a security radius of", numbers_.security_radii[i], unit.length(2 * m.reach),
+                unit.length(tolerance_ * m.reach + 4 * m.error));
     const Vector3 place = planes_.place(i);
     for (std::size_t k = 0; k < 3 && !numbers_.centroids.empty() && m.volume > 2 * doubt; ++k) {
         const double x = (place[k] + m.centroid[k] / polytope.unit()) * unscale_;
         compare("a coordinate of the centroid,", numbers_.centroids[3 * i + k], x,
-                (2 * doubt / m.volume + tolerance_) * (wide + m.reach) * unscale + 0x1p-45 * std::abs(x));
+                unit.length((2 * doubt / m.volume + tolerance_) * (wide + m.reach)) + 0x1p-45 * std::abs(x));
     }
     if (result_.face_counts.empty()) return;
     std::size_t faces = 0;

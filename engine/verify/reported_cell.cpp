@@ -106,7 +106,6 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
     for (std::size_t f = 0; f < clipped.faces.size(); ++f)
         if (run.ends.any() && run.ends.has(clipped.plane(f).id)) return {};
     constexpr double least_volume = 1e-250;  // smaller ones have digits in their own unit only
-    const double unit_of_volume = run.planar() ? run.thickness : 1;
     double unscale = 1 / clipped.scale();
     std::vector<double> areas;
     cpu::CellGeometry geometry = clipped.cell.measure(clipped.faces, &areas);
@@ -118,14 +117,15 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
         geometry.volume = measures.volume;
         unscale = std::ldexp(unscale, measures.exponent);
     }
+    const MeasureUnit unit(unscale, run.settled.region.thickness);
     const double tolerance = run.tolerance.cell + double_tolerance.cell;  // both are rounded
     if (reported.row) {
         std::vector<ReportedFace> row;
         double surface = 0;
         for (std::size_t f = 0; f < clipped.faces.size(); ++f) {
             const cpu::CellPlane& plane = clipped.plane(f);
-            const double area = areas[f] * unscale * unscale / unit_of_volume;
-            if (!run.planar() || !Sheet::bounds(plane.id)) surface += area;
+            const double area = unit.area(areas[f]);
+            if (!run.planar || !Sheet::bounds(plane.id)) surface += area;
             if (!run.lists(plane.id)) continue;
             ReportedFace& face = row.emplace_back();
             face.id = plane.id < 0 ? plane.id : ids[static_cast<std::size_t>(plane.id)];
@@ -135,7 +135,7 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
         if (auto text = row_difference(run, reported, row, tolerance * surface); !text.empty()) return text;
     }
     if (!reported.volume) return {};
-    const double volume = geometry.volume * unscale * unscale * unscale / unit_of_volume;
+    const double volume = unit.volume(geometry.volume);
     if (volume == *reported.volume ||  // both may be infinite
         std::abs(volume - *reported.volume) <= tolerance * volume + smallest_double)
         return {};

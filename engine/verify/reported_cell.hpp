@@ -44,17 +44,16 @@ struct CheckedRun {
     double least_face = 0;     // smaller faces were dropped
     VolumeTolerance tolerance = double_tolerance;
     std::vector<std::int64_t> only{};  // of a subset: the seeds that have rows, ascending; otherwise empty
-    double thickness = 0;              // of the sheet; 0 in space
+    bool planar = false;               // whether the rows are those of the plane
     EndlessSides ends{};               // where the domain has none: the run has near ones, whose cells are not tried
 
     // Whether the row of a neighbor is there.
     [[nodiscard]] bool has_row(std::int64_t id) const {
         return id >= 0 && (only.empty() || std::ranges::binary_search(only, id));
     }
-    [[nodiscard]] bool planar() const { return thickness > 0; }
     // Returns whether rows list a face with that id of a cell of the run.
     [[nodiscard]] bool lists(std::int32_t id) const {
-        return id >= 0 || (settled.list_walls && !(planar() && Sheet::bounds(id)));
+        return id >= 0 || (settled.list_walls && !(planar && Sheet::bounds(id)));
     }
 };
 

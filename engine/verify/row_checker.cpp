@@ -73,7 +73,7 @@ void add_plain_row(PairSums& sums, std::int64_t id, std::span<const std::int64_t
 }
 
 std::size_t dimensions_of(const CheckedRun& run) {
-    return run.planar() ? 2 : 3;
+    return run.planar ? 2 : 3;
 }
 
 std::size_t begin_of(const StreamRows& rows, std::size_t k) {
@@ -188,7 +188,7 @@ void RowChecker::take(const StreamRows& rows, const RowNames& names) {
         if (faces && !sample_.rows_are_proven) take_row(checks, rows, k, id, names);
         if (surfaces) check_surface(rows, k, id, run_, checks.surface);
         const bool open = run_.ends.any() && (rows.volumes.empty() || std::isinf(rows.volumes[k]));
-        if (counts && all_faces && !open) check_euler(rows, k, id, run_.planar(), checks.euler);
+        if (counts && all_faces && !open) check_euler(rows, k, id, run_.planar, checks.euler);
     };
     const std::size_t count = rows.status.size(), pieces = (count + rows_of_piece - 1) / rows_of_piece;
     if (pieces > 1 && !pool_) pool_ = std::make_unique<ThreadPool>(run_.settled.threads);

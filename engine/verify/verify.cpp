@@ -283,15 +283,14 @@ VerifyReport verify_plane(const Tessellation& t, Settled second, const VerifyOpt
         for (auto e = at(prisms.indptr()[i]); e < at(prisms.indptr()[i + 1]); ++e) {
             if (Sheet::bounds(prisms.indices()[e])) continue;
             row.add(prisms, e);
-            perimeter += prisms.face_areas()[e] / sheet.thickness();
-            row.add_area(prisms.face_areas()[e] / sheet.thickness(), 0);
+            perimeter += prisms.face_areas()[e];
+            row.add_area(prisms.face_areas()[e], 0);
         }
         std::ranges::fill(row.area_scales, perimeter);
         const std::uint32_t faces = prisms.face_counts()[i], edges = faces == 0 ? 0 : faces - 2;
-        const double area = prisms.volumes()[i] / sheet.thickness();
         if (t.status()[i] != prisms.status()[i]) fail(i, "status");
         if (const char* what = row.difference(t, i); *what != 0) fail(i, what);
-        if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], area, tolerance, mean)) fail(i, "area");
+        if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], prisms.volumes()[i], tolerance, mean)) fail(i, "area");
         if (!t.face_counts().empty() &&
             std::array{t.face_counts()[i], t.edge_counts()[i], t.vertex_counts()[i]} != std::array{edges, edges, edges})
             fail(i, "numbers of edges");
@@ -363,8 +362,9 @@ void add_area_of(const Tessellation& far, std::size_t entry, const AtInfinity& i
         const auto part = cross(minus(places[k], places[0]), minus(places[k + 1], places[0]));
         for (std::size_t c = 0; c < 3; ++c) doubled[c] += part[c];
     }
-    const double scale = (square + 0x1p-48 / double_tolerance.cell * largest * unit * std::sqrt(square)) / unit / unit;
-    row.add_area(0.5 * length3(doubled[0], doubled[1], doubled[2]) / unit / unit,
+    const MeasureUnit in_units(1 / unit, detail::result_of(far).thickness);
+    const double scale = in_units.area(square + 0x1p-48 / double_tolerance.cell * largest * unit * std::sqrt(square));
+    row.add_area(in_units.area(0.5 * length3(doubled[0], doubled[1], doubled[2])),
                  std::min(scale, std::numeric_limits<double>::max()));
 }
 

@@ -186,6 +186,15 @@ TEST_CASE("stream: the plane") {
         options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {0, 0, 0}, {true, true, false}};
         if (set.box->upper[0] == 1) check_stream(set, options);
     }
+    for (const double unit : {0x1p-500, 0x1p500}) {
+        PointSet set = test::in_plane(test::clustered(some, 2));
+        for (double& x : set.points) x *= unit;
+        for (std::size_t k = 0; k < 2; ++k) set.box->lower[k] *= unit, set.box->upper[k] *= unit;
+        votess::Options options = stream_options(set);
+        options.planar = true;
+        options.want.areas = true;
+        check_stream(set, options);
+    }
 }
 
 TEST_CASE("stream: boxes without end") {

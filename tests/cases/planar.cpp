@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -14,6 +15,9 @@
 #include "support/check.hpp"
 #include "support/random.hpp"
 #include "support/text.hpp"
+#include "votess/diagram.hpp"
+#include "votess/fit.hpp"
+#include "votess/pieces.hpp"
 #include "votess/votess.hpp"
 
 namespace {
@@ -90,6 +94,87 @@ std::string compare_cells(const PlanarSet& set) {
     return votess::verify(t, set.points).failure;
 }
 
+// A random set, in turn in the plane without end and in a polygon.
+PlanarSet set_of_units(std::size_t number) {
+    PlanarSet set = test::random_planar_set(number + 20);
+    set.options.planar = set.options.list_walls = true;
+    set.options.weights = set.weights;
+    set.options.device = "cpu";
+    if (number % 4 == 1) {
+        set.options.cell.reset();
+        set.options.walls.clear();
+        set.options.periodic = {};
+        constexpr double end = std::numeric_limits<double>::infinity();
+        set.options.box = votess::Box{{-end, -end, 0}, {end, end, 0}};
+    }
+    if (number % 4 == 0) {
+        static const std::vector<double> corners{1, 1, 15, 2, 14, 15, 7, 6, 2, 14};
+        static const std::vector<std::int32_t> edges{0, 1, 1, 2, 2, 3, 3, 4, 4, 0};
+        set.options = {};
+        set.options.planar = true;
+        set.options.device = "cpu";
+        set.options.mesh = votess::TriangleMesh{corners, edges};
+        set.points = {3, 3, 8, 3.5, 12, 4, 13, 9, 11, 6, 5, 7, 3.5, 9, 13.25, 12.5, 6, 4.5};
+        set.weights = {};
+    }
+    return set;
+}
+
+PlanarSet in_unit(PlanarSet set, double unit) {
+    static std::vector<double> corners;  // of the mesh
+    votess::Options& o = set.options;
+    for (double& x : set.points) x *= unit;
+    for (double& w : set.weights) w *= unit * unit;
+    o.weights = set.weights;
+    if (o.box)
+        for (std::size_t k = 0; k < 2; ++k) o.box->lower[k] *= unit, o.box->upper[k] *= unit;
+    if (o.cell)
+        for (auto* edge : {&o.cell->origin, &o.cell->a, &o.cell->b})
+            for (double& x : *edge) x *= unit;
+    for (votess::Wall& wall : o.walls) wall.offset *= unit;
+    if (o.mesh) {
+        corners.assign(o.mesh->vertices.begin(), o.mesh->vertices.end());
+        for (double& x : corners) x *= unit;
+        o.mesh->vertices = corners;
+    }
+    return set;
+}
+
+// Whether numbers are exactly those times a factor; NaN for NaN.
+bool are_times(std::span<const double> numbers, std::span<const double> those, double factor) {
+    return std::ranges::equal(numbers, those, [&](double x, double y) {
+        return x == y * factor || (std::isnan(x) && std::isnan(y));
+    });
+}
+
+// Compares all numbers of a set with those in another unit, and checks them.
+std::string compare_units(PlanarSet set, double unit) {
+    votess::Want& want = set.options.want = {
+        .neighbors = true, .volumes = true, .centroids = true, .areas = true, .surfaces = true};
+    want.radii = want.vertices = want.faces = want.counts = !set.options.mesh;
+    const PlanarSet other = in_unit(set, unit);
+    const auto t = votess::tessellate(std::span<const double>(set.points), set.options);
+    const auto u = votess::tessellate(std::span<const double>(other.points), other.options);
+    if (!std::ranges::equal(t.indices(), u.indices())) return "neighbors";
+    if (!are_times(u.volumes(), t.volumes(), unit * unit)) return "areas";
+    if (!are_times(u.face_areas(), t.face_areas(), unit)) return "lengths";
+    if (!are_times(u.surface_areas(), t.surface_areas(), unit)) return "perimeters";
+    if (!are_times(u.mesh_areas(), t.mesh_areas(), unit)) return "outlines";
+    if (!are_times(u.security_radii(), t.security_radii(), unit)) return "radii";
+    if (!are_times(u.centroids(), t.centroids(), unit)) return "centroids";
+    if (!are_times(u.vertices(), t.vertices(), unit)) return "vertices";
+    if (u.stats().box_volume != t.stats().box_volume * unit * unit) return "area of the domain";
+    if (u.stats().volume_sum != t.stats().volume_sum * unit * unit) return "sum";
+    if (!t.stats().tiny_faces != !u.stats().tiny_faces) return "tiny faces";
+    if (set.options.mesh) {
+        const votess::Pieces one = votess::pieces(t), more = votess::pieces(u);
+        if (!are_times(more.volumes, one.volumes, unit * unit)) return "pieces";
+    }
+    const votess::VerifyReport here = votess::verify(t, set.points), there = votess::verify(u, other.points);
+    if (here.proven != there.proven) return "proof: " + here.unproven + there.unproven;
+    return here.failure + there.failure;
+}
+
 }  // namespace
 
 TEST_SUITE("cases") {
@@ -100,19 +185,51 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("planar: far from the origin, tiny and huge") {
-        for (const double scale : {0x1p-200, 0x1p-30, 0x1p40, 0x1p300}) {
-            CAPTURE(scale);
-            PlanarSet set = test::random_planar_set(7), small = set;
-            votess::Options options = set.options;
-            options.planar = true;
-            const auto t = votess::tessellate(std::span<const double>(set.points), options);
-            for (double& x : set.points) x *= scale;
-            for (std::size_t k = 0; k < 2; ++k) options.box->lower[k] *= scale, options.box->upper[k] *= scale;
-            const auto u = votess::tessellate(std::span<const double>(set.points), options);
-            CHECK(std::ranges::equal(t.indices(), u.indices()));
-            for (std::size_t i = 0; i < t.size(); ++i)
-                CHECK(u.volumes()[i] / scale / scale == doctest::Approx(t.volumes()[i]).epsilon(1e-12));
+    TEST_CASE("planar: measures in any unit that is a power of two have the same digits") {
+        for (std::size_t number = 0; number < test::by_size(12, 6); ++number)
+            for (const int power : {-500, -340, -30, 40, 340, 500}) {
+                CAPTURE(number);
+                CAPTURE(power);
+                CHECK(compare_units(set_of_units(number), std::ldexp(1.0, power)) == "");
+            }
+    }
+
+    TEST_CASE("planar: fits, queries and grids in any unit that is a power of two have the same digits") {
+        const PlanarSet given = set_of_units(2);
+        const std::size_t n = given.points.size() / 2;
+        const std::vector<double> values(given.points.begin(), given.points.begin() + static_cast<std::ptrdiff_t>(n));
+        const std::vector<double> density{1, 2, 3, 4};
+        for (const bool in_mesh : {false, true}) {
+            const PlanarSet one = in_mesh ? set_of_units(0) : given;
+            const auto fitted = [&](const PlanarSet& set) {
+                votess::FitOptions fit;
+                fit.normalize = true;
+                if (!in_mesh) fit.density = votess::Density{{2, 2, 1}, density};
+                const std::vector<double> equal(set.points.size() / 2, 1);
+                return votess::fit_volumes(set.points, equal, set.options, fit);
+            };
+            const votess::VolumeFit expected = fitted(one);
+            for (const double unit : {0x1p-480, 0x1p480}) {
+                const votess::VolumeFit found = fitted(in_unit(one, unit));
+                CHECK(are_times(found.weights, expected.weights, unit * unit));
+                CHECK(found.steps == expected.steps);
+                CHECK(found.residual == expected.residual);
+            }
+        }
+        for (const double unit : {0x1p-500, 0x1p500}) {
+            CAPTURE(unit);
+            const PlanarSet large = in_unit(given, unit);
+            const votess::Diagram here(given.points, given.options), there(large.points, large.options);
+            const std::vector<double> place{5.25, 6.5}, far_place{5.25 * unit, 6.5 * unit};
+            CHECK(are_times(there.probe(far_place).volumes(), here.probe(place).volumes(), unit * unit));
+            CHECK(there.natural_neighbors(far_place).weights == here.natural_neighbors(place).weights);
+            for (const votess::GridMethod method : {votess::GridMethod::mean, votess::GridMethod::dtfe}) {
+                votess::GridOptions options{{3, 2, 1}};
+                options.method = method;
+                std::vector<double> grid(6), other(6);
+                CHECK(here.to_grid(values, options, grid) == there.to_grid(values, options, other));
+                CHECK(are_times(other, grid, method == votess::GridMethod::mean ? 1 : 1 / unit / unit));
+            }
         }
     }
 

@@ -110,17 +110,12 @@ void BlockDomain::complete(detail::Result& cells) const {
     if (state_->sheet) state_->sheet->flatten(cells);
 }
 
-double BlockDomain::thickness() const noexcept {
-    return state_->sheet ? state_->sheet->thickness() : 0;
-}
-
 double BlockDomain::volume(std::span<const double> seed) const {
     if (endless()) return infinity;
     const std::vector<double> copy(seed.begin(), seed.end());
     Settled run = state_->of_blocks;
     run.points = {copy, {}};
-    const double volume = make_job(std::move(run)).box_volume;
-    return state_->sheet ? volume / state_->sheet->thickness() : volume;
+    return make_job(std::move(run)).box_volume;
 }
 
 std::vector<CellStatus> BlockDomain::check(std::span<const double> points, const Weights& weights,
@@ -168,7 +163,7 @@ std::vector<std::uint32_t> BlockDomain::blocks_of(std::span<const double> places
 CheckedRun checked_run(const BlockDomain& domain, std::uint64_t seeds, double volume) {
     CheckedRun run{domain.of_blocks(), seeds, volume};
     run.settled.list_walls = domain.whole().list_walls;
-    run.thickness = domain.thickness();
+    run.planar = domain.whole().region.planar;
     run.ends = EndlessSides(domain.in_space().region);
     return run;
 }

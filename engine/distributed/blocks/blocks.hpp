@@ -49,8 +49,6 @@ public:
     [[nodiscard]] bool is_end(std::int32_t id) const noexcept;
     // Turns cells that were made with these into those of the domain.
     void complete(detail::Result& cells) const;
-    // Returns the thickness of the sheet, 0 in space.
-    [[nodiscard]] double thickness() const noexcept;
     // Returns the volume of the domain. With walls, it is 0 unless a seed inside them is given.
     [[nodiscard]] double volume(std::span<const double> seed = {}) const;
     // Returns N statuses: `outside` for seeds to drop, else `certified`. Throws invalid_argument that names the first

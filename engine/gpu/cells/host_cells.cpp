@@ -29,7 +29,7 @@ void HostCells::measure(std::size_t member, const Numbers& geometry) const {
     const Want& want = job.want;
     const auto i = static_cast<std::size_t>(input_of(member));
     const int exponent = exponent_of(member);
-    if (want.volumes) s_.result->arrays().volumes[i] = times_power_of_two(geometry[0], 3 * exponent);
+    if (want.volumes) s_.result->arrays().volumes[i] = times_power_of_two(geometry[0], 3 * exponent - flat_);
     if (!want.centroids) return;
     for (std::size_t k = 0; k < 3; ++k)
         s_.result->arrays().centroids[3 * i + k] = job.points[3 * i + k] + (s_.wraps.empty() ? 0 : s_.wraps[i][k]) +
@@ -88,7 +88,7 @@ void HostCells::for_blocks_of(const DeviceRows& rows, const auto& task) const {
             areas.reserve(entries);
             for (std::size_t c = 0; c < lengths.size(); ++c)
                 for (std::uint32_t k = 0; k < lengths[c]; ++k)
-                    areas.push_back(times_power_of_two(rows.areas[entry + areas.size()], 2 * exponent_of(first + c)));
+                    areas.push_back(times_power_of_two(rows.areas[entry + areas.size()], 2 * exponent_of(first + c) - flat_));
         }
         const auto shifts = rows.shifts.empty() ? rows.shifts : rows.shifts.subspan(3 * entry, 3 * entries);
         task(first, lengths, rows.ids.subspan(entry, entries), RowValues{areas, {}, shifts});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -48,7 +49,8 @@ public:
         int shift = 0;                                 // Units::shift
         std::span<const std::uint32_t> info;           // by member, see INFO_ in config.h
     };
-    explicit HostCells(const Source& source) : s_(source) {}
+    explicit HostCells(const Source& source)
+        : s_(source), flat_(s_.job->region.thickness > 0 ? std::ilogb(s_.job->region.thickness) : 0) {}
 
     // Reports the cells that are certainly empty.
     void set_empty() const;
@@ -75,6 +77,7 @@ private:
     void for_blocks_of(const DeviceRows& rows, const auto& task) const;
 
     Source s_;
+    int flat_;  // exponent of the thickness of a sheet, see MeasureUnit
 };
 
 }  // namespace votess::gpu
