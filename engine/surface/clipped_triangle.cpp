@@ -89,7 +89,7 @@ bool ClippedTriangle::search_tree() {
         clips = clips_;
         return is_empty || !in_reach(node);
     };
-    tree_.visit_from(origin_, skip, [&](std::uint32_t number) {
+    tree_.visit_from(origin_, reach_, skip, [&](std::uint32_t number) {
         if (is_empty || number == own || std::ranges::find(bisectors_, number, &Bisector::number) != bisectors_.end())
             return;
         const Vector3 q = minus(tree_.place(number), origin_);
@@ -100,26 +100,35 @@ bool ClippedTriangle::search_tree() {
 
 void ClippedTriangle::find_balls() {
     balls_.clear();
+    farthest_ = 0;
     for (std::size_t i = 0; i < size_; ++i) {
         const Corner& c = polygon_[i];
         const double distance = length(c.x) * (1 + 4 * unit) + c.error;
         if (distance < searched_) continue;
         balls_.push_back({{origin_[0] + c.x[0], origin_[1] + c.x[1], origin_[2] + c.x[2]}, distance, c.error});
+        farthest_ = std::max(farthest_, distance);
     }
+    const double reach = farthest_ + radius_to(farthest_, tree_.root()) + error_;
+    reach_ = reach * reach * (1 + 4 * search_rounding);
+}
+
+// Returns a bound on the distance from a corner up to which seeds in a box may be nearer to it than its own seed, which
+// has a distance of at most `radius`; or -1.
+double ClippedTriangle::radius_to(double radius, const SeedTree::Node& node) const {
+    if (!surface_.has_weights()) return radius;
+    const double own = surface_.weight(seed_), largest = tree_.weight(node), square = radius * radius;
+    const double power = square - own + largest + search_rounding * (square + std::abs(own) + std::abs(largest));
+    return power < 0 ? -1 : std::sqrt(power);
 }
 
 // Returns whether any seed in a box may be nearer to a corner than its own seed is, or as near.
 bool ClippedTriangle::in_reach(const SeedTree::Node& node) const {
+    const double most = radius_to(farthest_, node), reach = farthest_ + most + error_;
+    if (most < 0 || node.square > reach * reach * (1 + 4 * search_rounding)) return false;
     const Box box = tree_.box(node);
     for (const Ball& ball : balls_) {
-        double radius = ball.radius;
-        if (surface_.has_weights()) {
-            const double own = surface_.weight(seed_), largest = tree_.weight(node), square = radius * radius;
-            const double power =
-                square - own + largest + search_rounding * (square + std::abs(own) + std::abs(largest));
-            if (power < 0) continue;
-            radius = std::sqrt(power);
-        }
+        double radius = radius_to(ball.radius, node);
+        if (radius < 0) continue;
         radius += ball.error;
         if (SeedTree::square_distance(box, ball.center) <= radius * radius * (1 + search_rounding)) return true;
     }

@@ -94,6 +94,7 @@ private:
     [[nodiscard]] bool try_seed(std::uint32_t number, const Vector3& q, double square);
     void set_seed(std::uint32_t number);
     void find_balls();
+    [[nodiscard]] double radius_to(double radius, const SeedTree::Node& node) const;
     [[nodiscard]] bool in_reach(const SeedTree::Node& node) const;
     [[nodiscard]] bool search_tree();
     void add_bisector(std::uint32_t number, const Vector3& q, double square);
@@ -129,6 +130,8 @@ private:
         double radius, error;
     };
     std::vector<Ball> balls_;
+    double farthest_ = 0;  // largest radius of these
+    double reach_ = 0;     // square of the distance up to which seeds may be nearer to their centers
     std::size_t size_ = 0, clips_ = 0;
     double searched_ = 0;            // distance of a corner up to which all seeds were tried that may cut it off
     double radius_ = 0, error_ = 0;  // of corners: the largest distance, with its error, and the largest error

@@ -33,7 +33,7 @@ public:
             const double weight = surface_.tree().weight(node);
             return node.square - weight - rounding * (node.square + std::abs(weight)) > least;
         };
-        surface_.tree().visit_from(x, skip, [&](std::uint32_t number) {
+        surface_.tree().visit_from(x, infinity, skip, [&](std::uint32_t number) {
             const Vector3 d = minus(surface_.tree().place(number), x);
             const double square = dot(d, d), weight = surface_.weight(surface_.tree().seed(number));
             const double power = square - weight, error = rounding * (square + std::abs(weight));

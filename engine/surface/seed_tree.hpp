@@ -76,10 +76,10 @@ public:
             }
         }
     }
-    // Calls visit(number) in the order of boxes by their distance from x.
+    // The same around a place, for each number.
     template <class Skip, class Visit>
-    void visit_from(const exact::Point& x, Skip skip, Visit visit) const {
-        this->visit({x, x}, std::numeric_limits<double>::infinity(), skip, [&](std::uint32_t k, std::uint32_t end) {
+    void visit_from(const exact::Point& x, const double& reach, Skip skip, Visit visit) const {
+        this->visit({x, x}, reach, skip, [&](std::uint32_t k, std::uint32_t end) {
             for (; k < end; ++k) visit(k);
         });
     }

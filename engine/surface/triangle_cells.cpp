@@ -9,6 +9,7 @@
 #include "core/arithmetic.hpp"
 
 namespace votess::surface {
+
 TriangleCells::TriangleCells(const Surface& surface) : surface_(surface), kernels_(surface_kernels()) {
     functions_[0] = {0, 0, 1, 0, 0};
     functions_[1] = {-1, 1, 1, 0, 0};
