@@ -4,7 +4,7 @@
 # Surprise: NeighborsAnalysis.nbor_list() searches within 10 angstrom by default, in a cell that is repeated to 12 only, and takes
 #   the nearest image of each atom: 233 of the 368 neighbors of an atom in copper. get_rdf() repeats further, by the lengths of
 #   the edges, and copper is right. The primitive cell of bismuth telluride has edges of 10 angstrom and heights of 4: of its
-#   pairs from 8 to 10 angstrom a tenth is left, while the hexagonal cell of the same crystal has all of them.
+#   pairs from 8 to 10 angstrom an eighth is left, while the hexagonal cell of the same crystal has all of them.
 #   Atoms.get_all_neighbors() is right in both, but loses pairs where atoms have left the cell. Nothing warns.
 # Versions: JARVIS-tools 2026.6.12, ASE 3.29.0
 # Seen: 2026-11

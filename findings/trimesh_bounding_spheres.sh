@@ -9,8 +9,8 @@
 #   it is rounding.
 # Versions: trimesh 5.2.0, Shapely 2.2.0, SciPy 1.17.1
 # Seen: 2026-11
-# Do: take another package for smallest balls, for example miniball or cyminiball; at least compare with the ball around the
-#   center of the bounding box, which may be smaller.
+# Do: shapely.minimum_bounding_circle() in the plane; in space compare with the ball around the center of the bounding box, which
+#   is often smaller, or try all balls that two to four corners hold, as below.
 # Source: trimesh manual, nsphere.minimum_nsphere ("Compute the minimum n- sphere for a mesh or a set of points") and
 #   Trimesh.bounding_sphere. Welzl, "Smallest enclosing disks (balls and ellipsoids)", 1991: two to d + 1 points hold the ball.
 set -euo pipefail
