@@ -22,6 +22,7 @@ constexpr double fraction_slack = 1e-9;
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 constexpr double max_wide_images_per_seed = 64, max_wide_images = 0x1p22;
 constexpr double least_widening = 1.25;  // less is not worth another sort
+constexpr double longer_cells = 1.4;     // where weights move them, they also stretch them
 constexpr double max_images_beside = 2;  // for cells beside their seeds
 
 // Returns an estimate of the distance of cells from their seeds: half of the slope of the weights, from a sample of
@@ -333,7 +334,8 @@ bool SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool, doubl
         if (!(margin > least_widening * min_reach_)) return false;
     } else {
         // Rough weights seem steep, and their cells lie beside their seeds by less.
-        double beside = std::min(distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius - margin);
+        double beside =
+            std::min(longer_cells * distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius - margin);
         while (beside > 0.1 * margin && images(margin + beside) > max_images_beside * count + max_images_of_few)
             beside *= 0.8;
         if (beside > 0.1 * margin) margin += beside;
