@@ -244,8 +244,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     const auto for_seeds = [&](const auto& visit) {
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
             for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s) {
-                const SeedPlace now{{seeds.x[s], seeds.y[s], seeds.z[s]},
-                                    seeds.weights.empty() ? 0 : seeds.weights[s]};
+                const SeedPlace now{{seeds.x[s], seeds.y[s], seeds.z[s]}, seeds.weights.empty() ? 0 : seeds.weights[s]};
                 const bool stays = settled && std::memcmp(&now, &places_[s], sizeof now) == 0;
                 places_[s] = now;
                 visit(s, stays);

@@ -434,12 +434,15 @@ int RowPolytope::side(int v, const Name& name) {
 
 RowPolytope::Extent RowPolytope::extent() const {
     Extent e;
+    double sum = 0;  // keeps what is not a number
     for (const Corner& corner : corners_) {
         const double square = dot(corner.at, corner.at);
         e.nearest = square < e.nearest ? square : e.nearest;
-        e.farthest = square <= e.farthest ? e.farthest : square;  // which may be NaN
-        e.error = corner.error <= e.error ? e.error : corner.error;
+        e.farthest = square > e.farthest ? square : e.farthest;
+        e.error = corner.error > e.error ? corner.error : e.error;
+        sum += square + corner.error;
     }
+    if (!(sum < infinity)) e.farthest = e.error = infinity;
     return e;
 }
 

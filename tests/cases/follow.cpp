@@ -88,6 +88,29 @@ TEST_SUITE("cases") {
             }
     }
 
+    // Cells whose seeds all stay are kept without a test, unless the box has changed.
+    TEST_CASE("follow: some seeds move and others stay") {
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            Moving m(1000);
+            m.options.periodic = {periodic, periodic, periodic};
+            CHECK(m.call() == 0);
+            for (int step = 0; step < 12; ++step) {
+                if (step == 6) m.options.box = votess::Box{{0, 0, 0}, {1.01, 1, 1}};
+                const std::size_t middle = 3 * m.random.below(1000);
+                for (std::size_t i = 0; i < m.points.size(); i += 3) {
+                    const double x = m.points[i] - m.points[middle], y = m.points[i + 1] - m.points[middle + 1];
+                    if (x * x + y * y > 0.02) continue;
+                    for (std::size_t k = 0; k < 3; ++k)
+                        m.points[i + k] = std::clamp(
+                            m.points[i + k] + 0.02 * step * m.spacing * m.random.uniform(-1, 1), 1e-9, 1 - 1e-9);
+                }
+                CHECK(m.call() >= 0);
+            }
+            CHECK(m.call() > 0.99);
+        }
+    }
+
     // Neighbors of the same cluster are near, those of others far, and corners are far from all of them.
     TEST_CASE("follow: tight clusters whose cells fill much of the box") {
         for (const bool periodic : {false, true}) {
