@@ -30,7 +30,7 @@ constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_fille
 constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
 
 // A first step shorter than this, of so many seeds, is worth a fit of fewer seeds.
-constexpr double hard_share = 0.25;
+constexpr double hard_share = 0.2;
 constexpr Eigen::Index min_seeds = 256;
 constexpr double part_tolerance = 0.1;
 

@@ -209,7 +209,8 @@ bool KeptCells::sample_pays(const Job& job) {
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
     for (std::size_t k = before.size(); k > 0; --k) places_[before[k - 1].first] = before[k - 1].second;
-    const double share = std::lerp(max_wrong, max_wrong_beside, static_cast<double>(beside) / static_cast<double>(tested));
+    const double share =
+        std::lerp(max_wrong, max_wrong_beside, static_cast<double>(beside) / static_cast<double>(tested));
     const double expected = share * static_cast<double>(tested);
     const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (share / max_made);
     return cost <= expected + std::sqrt(expected);  // by chance

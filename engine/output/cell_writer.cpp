@@ -255,8 +255,7 @@ void CellWriter::write_measures() {
             out_->arrays().centroids[3 * output_ + k] = unit_.length(m.centroid[k] + p[k]);
     }
     if (want_.surfaces)
-        out_->arrays().surface_areas[output_] =
-            unit.area(std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0));
+        out_->arrays().surface_areas[output_] = unit.area(std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0));
     if (want_.radii) out_->arrays().security_radii[output_] = unit.length(2 * std::sqrt(m.farthest_squared));
 }
 

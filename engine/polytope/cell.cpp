@@ -556,6 +556,9 @@ bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
         if (is_wall ? !of_seed && face.source.kind != plane.source.kind
                     : !of_seed || (!face.source.has_power() && !plane.source.has_power()))
             continue;
+        double along = 0;  // of the normals, whose rounding is far smaller
+        for (std::size_t k = 0; k < 3; ++k) along += (face.unit * face.n[k]) * (plane.unit * plane.n[k]);
+        if (along < 0.99 * (face.unit * face.norm) * (plane.unit * plane.norm)) continue;
         if (!exact::same_plane(seed_, face.source, plane.source)) continue;
         if (is_wall ? of_seed || plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source))
             face = plane;

@@ -36,7 +36,7 @@ struct Result : RowArrays<Buffer, std::int32_t> {
     std::array<bool, 3> periodic{};
     std::optional<TriclinicBox> cell;
     std::vector<Wall> walls;
-    bool planar = false;  // in two dimensions: vectors have two components
+    bool planar = false;   // in two dimensions: vectors have two components
     double thickness = 0;  // of a sheet whose result is not flat yet, see plane/sheet.hpp
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together

@@ -24,9 +24,7 @@ public:
     void scale_by(double scale);
 
     // As given. height: of a prism along z, a power of two, whose area is returned; or 0.
-    [[nodiscard]] double volume(double height = 0) const {
-        return MeasureUnit(unit_, height).volume(volume_);
-    }
+    [[nodiscard]] double volume(double height = 0) const { return MeasureUnit(unit_, height).volume(volume_); }
     [[nodiscard]] std::uint64_t moved_vertices() const { return moved_; }
     [[nodiscard]] double moved_distance() const { return distance_; }       // the largest, as given
     [[nodiscard]] const Box& bounds() const { return bounds_; }             // as given

@@ -290,7 +290,8 @@ VerifyReport verify_plane(const Tessellation& t, Settled second, const VerifyOpt
         const std::uint32_t faces = prisms.face_counts()[i], edges = faces == 0 ? 0 : faces - 2;
         if (t.status()[i] != prisms.status()[i]) fail(i, "status");
         if (const char* what = row.difference(t, i); *what != 0) fail(i, what);
-        if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], prisms.volumes()[i], tolerance, mean)) fail(i, "area");
+        if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], prisms.volumes()[i], tolerance, mean))
+            fail(i, "area");
         if (!t.face_counts().empty() &&
             std::array{t.face_counts()[i], t.edge_counts()[i], t.vertex_counts()[i]} != std::array{edges, edges, edges})
             fail(i, "numbers of edges");

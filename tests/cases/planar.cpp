@@ -142,15 +142,14 @@ PlanarSet in_unit(PlanarSet set, double unit) {
 
 // Whether numbers are exactly those times a factor; NaN for NaN.
 bool are_times(std::span<const double> numbers, std::span<const double> those, double factor) {
-    return std::ranges::equal(numbers, those, [&](double x, double y) {
-        return x == y * factor || (std::isnan(x) && std::isnan(y));
-    });
+    return std::ranges::equal(numbers, those,
+                              [&](double x, double y) { return x == y * factor || (std::isnan(x) && std::isnan(y)); });
 }
 
 // Compares all numbers of a set with those in another unit, and checks them.
 std::string compare_units(PlanarSet set, double unit) {
-    votess::Want& want = set.options.want = {
-        .neighbors = true, .volumes = true, .centroids = true, .areas = true, .surfaces = true};
+    votess::Want& want =
+        set.options.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = true, .surfaces = true};
     want.radii = want.vertices = want.faces = want.counts = !set.options.mesh;
     const PlanarSet other = in_unit(set, unit);
     const auto t = votess::tessellate(std::span<const double>(set.points), set.options);

@@ -225,6 +225,35 @@ TEST_SUITE("stages") {
               doctest::Approx(2 * across * (1 + height)).epsilon(1e-10));
     }
 
+    TEST_CASE("clip: a pyramid of very many walls has one apex") {
+        const int m = static_cast<int>(test::by_size(1000, 100));
+        votess::Domain domain;
+        domain.box = {{-8, -8, -2}, {8, 8, 2}};
+        std::vector<double> angles;
+        for (int k = 1 - m; k <= m; ++k)
+            for (const double side : {1.0, -1.0}) {  // whole numbers: each passes exactly through (0, 0, 1)
+                const double x = side * (m * m - k * k), y = side * 2 * m * k, z = m * m + k * k;
+                domain.walls.push_back(votess::domain_wall({{x, y, z}, z}, 1, {}));
+                angles.push_back(std::atan2(y, x));
+            }
+        votess::sort_walls(domain);
+        std::ranges::sort(angles);
+        double base = 9 * std::tan((angles.front() - angles.back()) / 2 + std::numbers::pi);
+        for (std::size_t k = 1; k < angles.size(); ++k) base += 9 * std::tan((angles[k] - angles[k - 1]) / 2);
+        for (const double z : {0.0, 0.75, 1.0}) {  // of the seed, at last at the apex
+            CAPTURE(z);
+            Cell cell;
+            cell.start({0, 0, z}, domain);
+            CellFaces faces;
+            cell.canonical_faces(faces);
+            const std::size_t count = angles.size() + 1;
+            CHECK(faces.size() == count);
+            CHECK(faces.vertex_count == count);
+            CHECK(faces.edge_count == 2 * (count - 1));
+            CHECK(cell.measure(faces).volume == doctest::Approx(base).epsilon(1e-10));
+        }
+    }
+
     TEST_CASE("thread pool: every task once, exceptions come back, cancelling stops, and it works again after") {
         votess::ThreadPool pool(4);
         for (std::size_t count : {0, 1, 3, 1000}) {

@@ -88,7 +88,8 @@ void HostCells::for_blocks_of(const DeviceRows& rows, const auto& task) const {
             areas.reserve(entries);
             for (std::size_t c = 0; c < lengths.size(); ++c)
                 for (std::uint32_t k = 0; k < lengths[c]; ++k)
-                    areas.push_back(times_power_of_two(rows.areas[entry + areas.size()], 2 * exponent_of(first + c) - flat_));
+                    areas.push_back(
+                        times_power_of_two(rows.areas[entry + areas.size()], 2 * exponent_of(first + c) - flat_));
         }
         const auto shifts = rows.shifts.empty() ? rows.shifts : rows.shifts.subspan(3 * entry, 3 * entries);
         task(first, lengths, rows.ids.subspan(entry, entries), RowValues{areas, {}, shifts});
