@@ -49,7 +49,9 @@ bool CpuEngine::clip_kept(const Job& job, StageClock& clock) {
 void CpuEngine::clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock) {
     using Plan = KeptCells::Plan;
     clock.enter(&StageSeconds::sort);
-    clipper_.sort({}, job.follow ? CpuClipper::Keep::all : CpuClipper::Keep::unburied);
+    // Rows do not depend on it, but last digits of vertices do, which are those of a run that follows.
+    const bool keeps_all = job.follow || job.want.vertices;
+    clipper_.sort({}, keeps_all ? CpuClipper::Keep::all : CpuClipper::Keep::unburied);
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
     lend(job);                        // before the search structure takes more memory

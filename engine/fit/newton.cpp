@@ -266,7 +266,12 @@ bool Newton::approach() {
     return false;
 }
 
+void Newton::keep_best() {
+    if (now_.volumes.minCoeff() > 0 && (!best_ || now_.residual < best_->residual)) best_ = now_;
+}
+
 bool Newton::climb() {
+    keep_best();
     const Vector rest = problem_.targets - now_.volumes;
     const double most = max_damping * matrix_.diagonal().mean();
     for (; damping_ <= most; damping_ *= damping_growth) {
@@ -321,6 +326,10 @@ bool Newton::run(Vector weights) {
     }
     lift_ = 0;
     measure(now_);
+    if (!why_.empty() && best_) {
+        keep_best();
+        now_ = std::move(*best_);
+    }
     return why_.empty();
 }
 

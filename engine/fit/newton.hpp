@@ -95,6 +95,8 @@ private:
     [[nodiscard]] bool approach();
     // Takes a damped step upward. Returns false if none is left.
     [[nodiscard]] bool climb();
+    // Keeps the diagram if it is the best one without empty cells since steps lead upward.
+    void keep_best();
     void choose_share();
     // Moves to the diagram that a fit of fewer seeds leads to, if that is nearer.
     void start_from_fewer();
@@ -108,6 +110,7 @@ private:
     bool is_first_run_ = true;  // of runner_
     Matrix matrix_;
     Weighted now_;
+    std::optional<Weighted> best_;  // before steps upward, and of them
     double lift_ = 0;
     double share_ = 1;      // of the way from volumes to targets, for the goal
     bool filling_ = false;  // the goal lets only the smallest cells grow

@@ -12,8 +12,8 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t chunk_seeds = 512;  // consecutive, so near each other
-constexpr std::size_t task_chunks = 64;
+constexpr std::size_t near_seeds = 512;  // consecutive, so near each other
+constexpr std::size_t task_groups = 64;
 constexpr std::size_t sample_step = 16;  // seeds of a chunk that show whether it has buried ones
 // The heaviest of a chunk, which may bury the others; four times as many in each further pass, which follows one that
 // has removed most seeds.
@@ -85,14 +85,14 @@ private:
 // tried.
 std::vector<std::vector<std::size_t>> find_buried(const Domain& domain, ThreadPool& pool, const SortedSeeds& seeds,
                                                   std::size_t owners) {
-    const std::size_t count = seeds.size(), chunks = ceil_div(count, chunk_seeds);
+    const std::size_t count = seeds.size(), chunks = ceil_div(count, near_seeds);
     std::vector<std::vector<std::size_t>> found(chunks);
-    pool.run(ceil_div(chunks, task_chunks), [&](std::size_t task, unsigned) {
+    pool.run(ceil_div(chunks, task_groups), [&](std::size_t task, unsigned) {
         CellBounds bounds(domain);
         std::vector<Seed> near, heaviest;
-        for (std::size_t c = task * task_chunks; c < std::min(chunks, (task + 1) * task_chunks); ++c) {
+        for (std::size_t c = task * task_groups; c < std::min(chunks, (task + 1) * task_groups); ++c) {
             check_stop();
-            const std::size_t begin = c * chunk_seeds, end = std::min(count, begin + chunk_seeds);
+            const std::size_t begin = c * near_seeds, end = std::min(count, begin + near_seeds);
             near.clear();
             double size = 0;
             for (std::size_t s = begin; s < end; ++s) {
@@ -151,7 +151,7 @@ void drop_buried(const Domain& domain, ThreadPool& pool, SortedSeeds& seeds, std
     for (std::size_t owners = few_owners;; owners *= 4) {
         const std::size_t count = seeds.size();
         remove(find_buried(domain, pool, seeds, owners), seeds, buried);
-        if (2 * seeds.size() > count || owners == chunk_seeds) return;
+        if (2 * seeds.size() > count || owners == near_seeds) return;
     }
 }
 

@@ -591,9 +591,10 @@ void Certificate::measure_handed(Worker& w, std::size_t i) {
         volume += area * p.d[f] * inverse / 3;
     }
     add_areas(w);
-    const double wide = 2 * (std::sqrt(farthest) + error), cube = unscale_ * unscale_ * unscale_;
-    w.volume += volume * cube;
-    w.doubt += 3.2 * wide * wide * error * cube;  // as above
+    const MeasureUnit unit(unscale_, run_.settled.region.thickness);
+    const double wide = 2 * (std::sqrt(farthest) + error);
+    w.volume += unit.volume(volume);
+    w.doubt += unit.volume(3.2 * wide * wide * error);  // as above
 }
 
 // Counts the areas of faces with other cells.
