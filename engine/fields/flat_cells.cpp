@@ -19,14 +19,6 @@ double flat_cross(const Flat& a, const Flat& b) {
     return a[0] * b[1] - a[1] * b[0];
 }
 
-// The cell lies where normal.x <= offset.
-struct Line {
-    Flat normal{};
-    double offset = 0;
-    double direction = 0;  // of the normal, grows with its angle
-    std::size_t entry = 0;
-};
-
 // Returns -2 to 2 for angles from -pi to pi.
 double direction_of(const Flat& n) {
     const double share = n[1] / (std::abs(n[0]) + std::abs(n[1]));
@@ -71,6 +63,14 @@ public:
     }
 
 private:
+    // The cell lies where normal.x <= offset.
+    struct Line {
+        Flat normal{};
+        double offset = 0;
+        double direction = 0;  // of the normal, grows with its angle
+        std::size_t entry = 0;
+    };
+
     [[nodiscard]] Flat in_grid(const Flat& way) const {
         const Vector x = frame_.in_grid({way[0], way[1], 0});
         return {x[0], x[1]};
