@@ -111,6 +111,19 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("follow: most seeds are buried by heavier ones") {
+        Moving m(800);
+        std::vector<double> weights(800);
+        for (double& weight : weights) weight = m.random.uniform(0, 0.3);
+        m.options.weights = weights;
+        m.options.periodic = {true, true, true};
+        m.options.want.faces = true;
+        for (int step = 0; step < 4; ++step) {
+            CHECK(m.call() >= 0);
+            m.move(0.01);
+        }
+    }
+
     // Neighbors of the same cluster are near, those of others far, and corners are far from all of them.
     TEST_CASE("follow: tight clusters whose cells fill much of the box") {
         for (const bool periodic : {false, true}) {

@@ -171,6 +171,11 @@ std::string compare_units(PlanarSet set, double unit) {
     }
     const votess::VerifyReport here = votess::verify(t, set.points), there = votess::verify(u, other.points);
     if (here.proven != there.proven) return "proof: " + here.unproven + there.unproven;
+    PlanarSet lists = other;
+    lists.options.want = {.neighbors = true};
+    const votess::VerifyReport of_lists =
+        votess::verify(votess::tessellate(std::span<const double>(lists.points), lists.options), lists.points);
+    if (here.proven && !of_lists.proven) return "proof of lists: " + of_lists.failure + of_lists.unproven;
     return here.failure + there.failure;
 }
 
@@ -186,7 +191,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("planar: measures in any unit that is a power of two have the same digits") {
         for (std::size_t number = 0; number < test::by_size(12, 6); ++number)
-            for (const int power : {-500, -340, -30, 40, 340, 500}) {
+            for (const int power : {-500, -340, 20, 500}) {
                 CAPTURE(number);
                 CAPTURE(power);
                 CHECK(compare_units(set_of_units(number), std::ldexp(1.0, power)) == "");
