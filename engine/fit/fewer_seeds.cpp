@@ -11,7 +11,7 @@ namespace {
 
 using Place = Eigen::Vector3d;
 
-// Of the squared ways to neighbors, along an axis that none of them has.
+// Added along each axis, as a share of all squared ways to neighbors: these may lie in a plane.
 constexpr double least_part = 1e-6;
 
 // Among so few seeds around a place usually none lies between the others, where it would get no cell.

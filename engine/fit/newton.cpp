@@ -34,10 +34,10 @@ constexpr double hard_share = 0.2;
 constexpr Eigen::Index min_seeds = 256;
 constexpr double part_tolerance = 0.1;
 
-constexpr double near = 0.01;  // residual from which a larger tolerance may do
+constexpr double near = 0.01;  // a residual below which a larger tolerance may do
 
 // Damping of steps upward, in means of the derivatives of volumes by weights.
-constexpr double rounded = 1e-6;  // residual below which rounding ends the approach
+constexpr double rounded = 1e-6;  // a residual below which rounding ends the approach
 constexpr double first_damping = 0.1, max_damping = 1e6, damping_growth = 4;
 
 // The lift at the start, if some cells have no mass then, or too many; the share of its target that a cell keeps when
@@ -277,7 +277,11 @@ bool Newton::climb() {
     for (; damping_ <= most; damping_ *= damping_growth) {
         Matrix damped = matrix_;
         damped.diagonal().array() += damping_;
-        const Vector step = solve(damped, rest, solver_share);
+        Vector step;
+        {
+            const Timed timed(out_.seconds.solve);
+            step = solve(damped, rest, solver_share);
+        }
         if (!step.allFinite()) continue;
         Weighted next = tessellate(now_.weights + step);
         const Vector left = problem_.targets - next.volumes;

@@ -434,7 +434,7 @@ int RowPolytope::side(int v, const Name& name) {
 
 RowPolytope::Extent RowPolytope::extent() const {
     Extent e;
-    double sum = 0;  // keeps what is not a number
+    double sum = 0;  // NaN if any term is NaN
     for (const Corner& corner : corners_) {
         const double square = dot(corner.at, corner.at);
         e.nearest = square < e.nearest ? square : e.nearest;
