@@ -41,7 +41,7 @@ void Coloring::check(const std::vector<InputColumn>& carried, bool planar) const
 std::vector<double> Coloring::values(const Input& input, const votess::Tessellation& tessellation,
                                      const std::vector<InputColumn>& carried) const {
     const auto taken = std::ranges::find(carried, column, &InputColumn::name);
-    if (taken != carried.end()) return taken->values;
+    if (taken != carried.end()) return taken->rounded();
     if (column == "volume") return {tessellation.volumes().begin(), tessellation.volumes().end()};
     if (column == "area") return {tessellation.surface_areas().begin(), tessellation.surface_areas().end()};
     std::vector<double> values(tessellation.size());

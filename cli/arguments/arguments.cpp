@@ -270,7 +270,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
                 continue;
             }
             if (option == "--copy") {
-                arguments.read.first_words = std::min(arguments.read.first_words, arguments.read.columns.size());
+                arguments.read.first_carried = std::min(arguments.read.first_carried, arguments.read.columns.size());
             }
             arguments.read.columns.push_back(column);
         }
@@ -556,7 +556,7 @@ Arguments read_arguments(int count, const char* const* values) {
     }
     if (arguments.memory > 0) {
         check_streamed(arguments);
-        arguments.read.first_words = SIZE_MAX;  // temporary files hold numbers
+        arguments.read.carries_words = false;  // temporary files hold numbers
     }
     return arguments;
 }

@@ -64,7 +64,8 @@ std::vector<std::int64_t> read_only(const std::string& only, std::size_t count) 
 }
 
 InputColumn rows_of(const InputColumn& column, const std::vector<std::int64_t>& only) {
-    InputColumn some{.name = column.name, .width = column.width, .of_words = column.of_words};
+    InputColumn some{
+        .name = column.name, .width = column.width, .of_words = column.of_words, .of_integers = column.of_integers};
     for (const std::int64_t i : only) {
         if (column.of_words) {
             some.words.push_back(column.words[static_cast<std::size_t>(i)]);

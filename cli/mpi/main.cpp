@@ -164,7 +164,7 @@ int main_together(const Ranks& ranks, int count, const char* const* values) {
             throw bad_input("--voro++ writes the files of voro++, in text: run clvotess");
         arguments = read_arguments(count, values);
         if (arguments.answer.empty() && !arguments.list_devices) refuse_for_ranks(arguments);
-        arguments.read.first_words = SIZE_MAX;  // ranks exchange numbers
+        arguments.read.carries_words = false;  // ranks exchange numbers
     });
     if (!arguments.answer.empty() || arguments.list_devices) {
         ranks.first_alone([&] { print(answer_of_ranks(count, values)); });

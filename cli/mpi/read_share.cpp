@@ -129,6 +129,7 @@ InputShare deal(const Ranks& ranks, const Arguments& arguments) {
         ReadRequest request = arguments.read;
         if (!arguments.threads_given) request.threads = 1;
         all = read_input(arguments.input, request);
+        refuse_large_integers(all.columns, "clvotess-mpi");
         std::uint64_t count = all.size();
         Pack pack;
         list_whole(pack, all, count);
@@ -177,6 +178,7 @@ InputShare read_share(const Ranks& ranks, const Arguments& arguments) {
             request.share = own;
             share.input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, request)
                                                  : read_input(arguments.input, request);
+            refuse_large_integers(share.input.columns, "clvotess-mpi");
         });
         share.rows = ranks.sum(std::uint64_t{share.input.size()});
         check_one_z(ranks, arguments.input, share.input);

@@ -33,7 +33,8 @@ std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::s
     return names;
 }
 
-ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where) {
+ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where)
+    : carries_words_(request.carries_words) {
     if (names.size() > max_columns) {
         throw bad_input(where + ": " + columns_text(names.size()) + ", more than the " + std::to_string(max_columns) +
                         " that are read");
@@ -41,10 +42,11 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
     if (request.species) species_ = find_species(names);
     for (std::size_t c = 0; c < request.columns.size(); ++c) {
         const std::string& name = request.columns[c];
-        const bool may_be_words = c >= request.first_words;
+        const bool carried = c >= request.first_carried;
         if (!find_name(names, name) && find_name(names, name + "_1")) {
             Place& place = places_.emplace_back();
             place.name = name;
+            place.carried = carried;
             for (std::size_t part = 1;; ++part) {
                 const auto at = find_name(names, name + "_" + std::to_string(part));
                 if (!at) break;
@@ -54,11 +56,11 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
         }
         if (const auto at = find_any(names, name)) {
             const std::string number = std::to_string(*at + 1);
-            places_.push_back({name_of(names[*at].empty() ? number : names[*at]), {*at}, may_be_words});
+            places_.push_back({name_of(names[*at].empty() ? number : names[*at]), {*at}, carried});
         } else if (const auto alias = name == "species" ? find_species(names)
                                       : name == "type"  ? find_name(names, "typelabel")
                                                         : std::nullopt) {
-            places_.push_back({name, {*alias}, may_be_words});
+            places_.push_back({name, {*alias}, carried});
         } else if (!request.columns_may_lack) {
             std::string list;
             for (const std::string_view known : names) add_name(list, known);
@@ -70,14 +72,15 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
 void ColumnPlaces::add_others(const Words& names, std::span<const std::size_t> taken, const Words& row) {
     for (std::size_t k = 0; k < std::min(names.size(), row.size()); ++k) {
         const bool free = std::ranges::find(taken, k) == taken.end() && !holds(k) && !names[k].empty();
-        if (free && (read_double(row[k]) || has_decimal_comma(row[k]))) places_.push_back({name_of(names[k]), {k}});
+        if (free && (read_double(row[k]) || has_decimal_comma(row[k])))
+            places_.push_back({name_of(names[k]), {k}, true});
     }
 }
 
 void ColumnPlaces::find_words(const Words& row) {
     for (Place& place : places_) {
         const std::size_t k = place.at[0];
-        place.words = place.may_be_words && place.at.size() == 1 && k < row.size() && !row[k].empty() &&
+        place.words = carries_words_ && place.carried && place.at.size() == 1 && k < row.size() && !row[k].empty() &&
                       !read_double(row[k]) && !has_decimal_comma(row[k]);
     }
 }
@@ -98,6 +101,7 @@ std::vector<InputColumn> ColumnPlaces::columns(std::size_t rows) const {
     for (const Place& place : places_) {
         InputColumn& column = columns.emplace_back(InputColumn{.name = place.name, .width = place.at.size()});
         column.of_words = place.words;
+        column.carried = place.carried;
         if (!place.words) column.values.reserve(rows * place.at.size());
     }
     return columns;

@@ -45,7 +45,15 @@ public:
                 input.columns[c].words.emplace_back(word(places_[c].at[0]));
                 continue;
             }
-            for (const std::size_t k : places_[c].at) input.columns[c].values.push_back(number(k, places_[c].name));
+            InputColumn& column = input.columns[c];
+            for (const std::size_t k : places_[c].at) {
+                const double value = number(k, places_[c].name);
+                if (column.may_round(value)) {
+                    column.append(value, word(k));
+                } else {
+                    column.values.push_back(value);
+                }
+            }
         }
         if (species_) input.species.emplace_back(word(*species_));
     }
@@ -54,8 +62,9 @@ private:
     struct Place {
         std::string name;
         std::vector<std::size_t> at;
-        bool may_be_words = false, words = false;
+        bool carried = false, words = false;
     };
+    bool carries_words_;
     std::vector<Place> places_;
     std::optional<std::size_t> species_;
 };

@@ -18,6 +18,14 @@
 namespace clvotess {
 namespace {
 
+// Returns a number of a column that holds integers. Throws Failure for fractions and the like.
+std::int64_t as_integer(const InputColumn& column, double number) {
+    if (number == std::floor(number) && std::abs(number) < 0x1p63) return static_cast<std::int64_t>(number);
+    throw bad_input("the column " + in_quotes(column.name) +
+                    " holds integers beyond 2^53 beside other numbers, and one type cannot hold both: leave it out of "
+                    "--copy");
+}
+
 using Vector3 = std::array<double, 3>;
 using votess::system::path_of;
 using votess::system::text_of;
@@ -364,11 +372,58 @@ void Input::append(const Input& rows) {
     points.insert(points.end(), rows.points.begin(), rows.points.end());
     ids.insert(ids.end(), rows.ids.begin(), rows.ids.end());
     species.insert(species.end(), rows.species.begin(), rows.species.end());
-    for (std::size_t c = 0; c < rows.columns.size(); ++c) {
-        const InputColumn& column = rows.columns[c];
-        columns[c].values.insert(columns[c].values.end(), column.values.begin(), column.values.end());
-        columns[c].words.insert(columns[c].words.end(), column.words.begin(), column.words.end());
+    if (columns.empty()) {
+        columns = rows.columns;
+        return;
     }
+    for (std::size_t c = 0; c < rows.columns.size(); ++c) columns[c].append_all(rows.columns[c]);
+}
+
+void InputColumn::append(double number, std::string_view text) {
+    if (const auto integer = read_int64(text)) return append_integer(*integer);
+    const bool digits = text.find_first_not_of("+-0123456789") == std::string_view::npos && !text.empty();
+    if (digits) {
+        throw bad_input("the column " + in_quotes(name) + " holds the integer " + std::string(text) +
+                        ", which 64 bits cannot hold: leave it out of --copy");
+    }
+    values.push_back(of_integers ? std::bit_cast<double>(as_integer(*this, number)) : number);
+}
+
+void InputColumn::append_integer(std::int64_t integer) {
+    const auto number = static_cast<double>(integer);
+    const bool exact = number < 0x1p63 && static_cast<std::int64_t>(number) == integer;
+    if (!exact && carried) hold_integers();
+    values.push_back(of_integers ? std::bit_cast<double>(integer) : number);
+}
+
+void InputColumn::append_all(const InputColumn& rows) {
+    const std::size_t before = values.size();
+    if (rows.of_integers) hold_integers();
+    values.insert(values.end(), rows.values.begin(), rows.values.end());
+    words.insert(words.end(), rows.words.begin(), rows.words.end());
+    if (!of_integers || rows.of_integers) return;
+    for (std::size_t k = before; k < values.size(); ++k)
+        values[k] = std::bit_cast<double>(as_integer(*this, values[k]));
+}
+
+void InputColumn::hold_integers() {
+    if (of_integers) return;
+    for (double& value : values) value = std::bit_cast<double>(as_integer(*this, value));
+    of_integers = true;
+}
+
+std::vector<double> InputColumn::rounded() const {
+    std::vector<double> numbers = values;
+    if (of_integers)
+        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<double>(integer(k));
+    return numbers;
+}
+
+void refuse_large_integers(std::span<const InputColumn> columns, const std::string& place) {
+    for (const InputColumn& column : columns)
+        if (column.of_integers)
+            throw bad_input("the column " + in_quotes(column.name) + " holds integers beyond 2^53, which " + place +
+                            " would round: leave it out, or name it id to read it as the ids");
 }
 
 std::span<const double> one_each(const InputColumn& column) {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -49,6 +51,24 @@ struct InputColumn {
     std::vector<double> values = {};      // width N, row by row
     std::vector<std::string> words = {};  // N, instead of numbers
     bool of_words = false;
+    bool carried = false;      // into the output, with all digits: the numbers of others may be rounded
+    bool of_integers = false;  // `values` holds the bits of std::int64_t: a double would round one of these integers
+
+    // Returns whether a number may stand for an integer that a double rounds.
+    [[nodiscard]] bool may_round(double number) const {
+        return carried && (of_integers || !(std::abs(number) < 0x1p53));
+    }
+    // Appends a number that may_round(). text: as the file has it, or empty. Throws Failure for integers that
+    // std::int64_t does not hold, and for those that a double rounds beside other numbers than integers.
+    void append(double number, std::string_view text);
+    void append_integer(std::int64_t integer);
+    void append_all(const InputColumn& rows);
+    // Throws Failure if a number is not an integer.
+    void hold_integers();
+
+    [[nodiscard]] std::int64_t integer(std::size_t k) const { return std::bit_cast<std::int64_t>(values[k]); }
+    // Returns the numbers, rounded where no double holds them.
+    [[nodiscard]] std::vector<double> rounded() const;
 };
 
 struct Input {
@@ -69,6 +89,9 @@ struct Input {
     // Appends points with the same columns.
     void append(const Input& rows);
 };
+
+// Throws Failure if a column holds integers that a double would round. place: what cannot hold them.
+void refuse_large_integers(std::span<const InputColumn> columns, const std::string& place);
 
 // Returns the numbers of a column with one number for each point. Throws Failure when it has more.
 [[nodiscard]] std::span<const double> one_each(const InputColumn& column);
@@ -114,11 +137,12 @@ struct ReadRequest {
     bool npy_holds_columns = false;  // side by side after `coordinates`; else a .npy has none. Text then has no others
     bool columns_may_lack = false;   // skip those of `columns` that the file lacks
     bool all_columns = false;        // read the others too
-    std::size_t first_words = SIZE_MAX;  // from this one on, columns may hold words
-    bool species = false;                // read those too
-    std::optional<std::uint64_t> frame;  // number from 0, of LAMMPS dumps and XYZ; default the first
-    unsigned threads = 1;                // that parse text; 0: one per processor
-    Share share;                         // of the points, for files that reads_shares() accepts
+    std::size_t first_carried = SIZE_MAX;  // from this one on, columns go into the output
+    bool carries_words = true;             // those may hold words
+    bool species = false;                  // read those too
+    std::optional<std::uint64_t> frame;    // number from 0, of LAMMPS dumps and XYZ; default the first
+    unsigned threads = 1;                  // that parse text; 0: one per processor
+    Share share;                           // of the points, for files that reads_shares() accepts
 };
 
 // Returns whether a share of the file can be read without the rest.

@@ -34,7 +34,8 @@ public:
             if (array.is_column() && array.is_whole() && array.shape()[0] == input.size())
                 input.ids = array.read_whole();
         }
-        for (const std::string& name : request_.columns) read_column(name, input);
+        for (std::size_t c = 0; c < request_.columns.size(); ++c)
+            read_column(request_.columns[c], c >= request_.first_carried, input);
         if (request_.all_columns) read_others(points, input);
         read_domain(input);
         return input;
@@ -172,7 +173,7 @@ private:
         return (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0)) && (array.is_float() || array.is_whole());
     }
 
-    void read_column(const std::string& name, Input& input) const {
+    void read_column(const std::string& name, bool carried, Input& input) const {
         const ZipMember* const member = find(name);
         if (!member && request_.columns_may_lack) return;
         if (!member) throw no_array(name);
@@ -182,10 +183,9 @@ private:
         check_length(name, array, input.size(), "the array of points");
         const auto width = static_cast<std::size_t>(array.is_column() ? 1 : array.shape()[1]);
         if (width > max_columns) throw bad_input(name_ + ": " + name + " has rows of " + columns_text(width));
-        InputColumn& column = input.columns.emplace_back(InputColumn{name, width, {}});
+        InputColumn& column = input.columns.emplace_back(InputColumn{.name = name, .width = width, .carried = carried});
         if (array.is_float()) return array.read_floats(column.values);
-        const std::vector<std::int64_t> whole = array.read_whole();
-        column.values.assign(whole.begin(), whole.end());
+        for (const std::int64_t whole : array.read_whole()) column.append_integer(whole);
     }
 
     // Adds all other arrays with a row for each point.
@@ -198,7 +198,7 @@ private:
                 continue;
             const NpyArray array = open(member);
             const bool fits = may_be_column(array) && array.shape()[0] == input.size();
-            if (fits && (array.is_column() || array.shape()[1] <= max_columns)) read_column(name, input);
+            if (fits && (array.is_column() || array.shape()[1] <= max_columns)) read_column(name, true, input);
         }
     }
 

@@ -120,7 +120,8 @@ private:
 }  // namespace
 
 Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request) {
-    const bool carried = request.columns == std::vector<std::string>{"species"} && request.first_words == 0;
+    const bool carried =
+        request.columns == std::vector<std::string>{"species"} && request.first_carried == 0 && request.carries_words;
     if (!request.columns.empty() && !carried && !request.columns_may_lack)
         throw bad_input(name + ": a POSCAR has no column " + in_quotes(request.columns[0]));
     Input input = PoscarReader(text, name, request.species || carried).read();

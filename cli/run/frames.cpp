@@ -36,6 +36,7 @@ std::string lines_of(const std::vector<std::string>& words) {
 }
 
 // Returns the line of JSON before the numbers of a frame. words: bytes of each column of words, whose width is 0 there.
+// The last word of a column says whether its numbers are 64-bit integers.
 std::string description_of(const Input& frame, const std::vector<std::size_t>& words, std::size_t species) {
     std::string columns, units;
     for (std::size_t c = 0; c < frame.columns.size(); ++c) {
@@ -43,7 +44,7 @@ std::string description_of(const Input& frame, const std::vector<std::size_t>& w
         check_name(column);
         columns.append(columns.empty() ? "[" : ", [").append(json_string(column.name));
         columns.append(", ").append(std::to_string(column.of_words ? 0 : column.width));
-        columns.append(", ").append(std::to_string(words[c])).append("]");
+        columns.append(", ").append(std::to_string(words[c])).append(column.of_integers ? ", true]" : ", false]");
     }
     for (const auto& [name, value] : frame.units) {
         const double* const number = std::get_if<double>(&value);

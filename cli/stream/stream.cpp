@@ -62,6 +62,7 @@ public:
     RowExtras(const Arguments& arguments, std::string folder) : arguments_(arguments), folder_(std::move(folder)) {}
 
     void keep(const Input& piece) {
+        refuse_large_integers(piece.columns, "--memory");
         if (!begun_) {
             begun_ = true;
             names_ = piece;

@@ -103,9 +103,11 @@ std::vector<ResultArray> arrays_of(const From& from, const std::optional<RowRang
         if (array.name == "mesh_areas" && !whole.in_mesh) return;
         if constexpr (requires { array.of(from); }) add(array);
     });
-    for (const InputColumn& column : carried)
+    for (const InputColumn& column : carried) {
         arrays.push_back(column.of_words ? as_texts(column.name, column.words)
                                          : as_array(column.name, std::span(column.values), column.width));
+        if (column.of_integers) arrays.back().type = type_of<std::int64_t>();
+    }
     return arrays;
 }
 

@@ -192,7 +192,8 @@ void write_vtu_of_pieces(OutputFile& file, const OutputData& data) {
             for (std::size_t k = 0; k < from.width; ++k) values.push_back(from.values[from.width * i + k]);
     }
     for (std::size_t k = 0; k < carried.size(); ++k)
-        columns.push_back(column<double>(data.carried[k].name.c_str(), 'f', carried[k], data.carried[k].width));
+        columns.push_back(column<double>(data.carried[k].name.c_str(), data.carried[k].of_integers ? 'i' : 'f',
+                                         carried[k], data.carried[k].width));
     const std::size_t triangles = pieces.sources.size();
     const std::vector<std::int32_t> beyond(triangles, -1);
     std::vector<std::int64_t> offsets(triangles + 1);
@@ -245,7 +246,8 @@ void write_vtu(OutputFile& file, const OutputData& data) {
                                        column<std::int32_t>("neighbors", 'i', neighbors),
                                        column("centroid", 'f', centroids, 3), column("status", 'u', cells.status())};
     for (const InputColumn& carried : data.carried)
-        columns.push_back(column<double>(carried.name.c_str(), 'f', carried.values, carried.width));
+        columns.push_back(
+            column<double>(carried.name.c_str(), carried.of_integers ? 'i' : 'f', carried.values, carried.width));
     votess_mesh mesh = mesh_of(data);
     mesh.columns = columns.data();
     mesh.column_count = static_cast<std::uint32_t>(columns.size());

@@ -33,6 +33,15 @@ TableColumn of_numbers(std::string name, std::span<const double> values, std::si
             }};
 }
 
+TableColumn of_integers(const InputColumn& column) {
+    return {column.name, 'I', column.width, [&column](OutputBuffer& row, std::size_t i, char between) {
+                for (std::size_t k = 0; k < column.width; ++k) {
+                    if (k > 0) row.put(between);
+                    row.put_number(column.integer(column.width * i + k));
+                }
+            }};
+}
+
 // Returns the centroids beside the listed points, which may lie outside of a periodic domain: the result has those of
 // the seeds inside.
 std::vector<double> centroids_of(const OutputData& data) {
@@ -135,8 +144,9 @@ void add_carried(const OutputData& data, Table& table) {
         };
         const bool named = column.name == "species" && (has("element") || has("type"));
         if (named || has(column.name)) continue;  // the radius, or the species of the seeds
-        table.push_back(column.words.empty() ? of_numbers(column.name, column.values, column.width)
-                                             : words(column.name, column.words));
+        table.push_back(column.of_integers     ? of_integers(column)
+                        : column.words.empty() ? of_numbers(column.name, column.values, column.width)
+                                               : words(column.name, column.words));
     }
 }
 

@@ -56,7 +56,11 @@ public:
                 }
                 for (std::size_t k = 0; k < column.width; ++k) {
                     buffer_.put(' ');
-                    buffer_.put_number(column.values[column.width * i + k]);
+                    if (column.of_integers) {
+                        buffer_.put_number(column.integer(column.width * i + k));
+                    } else {
+                        buffer_.put_number(column.values[column.width * i + k]);
+                    }
                 }
             }
             buffer_.put('\n');

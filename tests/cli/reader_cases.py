@@ -482,6 +482,34 @@ class Columns(ReaderTest):
         got = self.rows("b.xyz", "--copy", "species", "--format", "%i")
         self.assertEqual([row.split()[1] for row in got], words * 3000)
 
+    def test_integers_beyond_doubles(self):
+        """Carried integers that a double would round keep their digits, from every file into every file."""
+        n = 90000  # pieces for threads; the first ones are small
+        points, integers = random_points(n), np.where(np.arange(n) % 7 == 6, 2**53 + 1, 1) * np.arange(n)
+        integers[-2:] = 2**63 - 1, -(2**63)
+        few = integers[[5, 6, -2, -1]]
+        lines = [f"{row.replace(' ', ',')},{k},{i}\n" for i, (row, k) in enumerate(zip(text_of(points).splitlines(), integers))]
+        self.put("a.csv", "x,y,z,k,mass\n" + "".join(lines))
+        np.savez(self.folder / "a.npz", points=points, k=integers, both=np.c_[integers, integers], mass=np.arange(n))
+        for name in ("a.csv", "a.npz"):
+            got, _ = self.carried(name, "--copy", "all", "--density", "mass")
+            self.assertEqual((got["k"].dtype, got["mass"].dtype), (np.int64, np.float64))
+            for column in {"k", "both"} & set(got):
+                self.assertTrue((got[column].T == integers).all(), (name, column))
+        np.savez(self.folder / "few.npz", points=points[[5, 6, -2, -1]], k=few)
+        for out in ("o.txt", "o.csv", "o.xyz", "o.dump"):
+            self.run_cli("few.npz", "--copy", "k", "-o", out)
+            text = (self.folder / out).read_text()
+            self.assertTrue(all(str(k) in text.replace(",", " ").split() for k in few), out)
+        self.refuse("a.csv", "--copy", "k", "--memory", "1G", "-o", "o.h5", says=["'k'", "2^53"])
+        head = "x,y,z,k\n.1,.2,.3,9007199254740993\n.4,.5,.6,"
+        for number, says in (("0.5", "beside other numbers"), ("1e300", "beside other numbers"), ("18446744073709551615", "64 bits")):
+            self.put("b.csv", head + number)
+            self.refuse("b.csv", "--copy", "k", "-o", "o.csv", says=["'k'", says])
+        self.put("b.csv", head + "2e3")
+        self.assertEqual(self.carried("b.csv", "--copy", "k")[0]["k"].tolist(), [2**53 + 1, 2000])
+        self.run_cli("b.csv", "--weights", "k", "-o", "o.csv")  # a weight is a double
+
     def test_names_that_are_not_utf8(self):
         """Names in Latin-1 are refused before any file, and others of every script pass."""
         rows = b"".join(f"{row},{i}\n".replace(" ", ",").encode() for i, row in enumerate(text_of(random_points(5)).splitlines()))

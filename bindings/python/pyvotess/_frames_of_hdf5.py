@@ -43,6 +43,22 @@ def _points(file: Any, group: str, where: str) -> str:
     raise ValueError(f"{where}: several datasets could be the points, name one with dataset: {' '.join(paths[:8])}")
 
 
+def _whole(values: npt.NDArray[Any], where: str, absent: Optional[int] = None) -> npt.NDArray[np.int64]:
+    """Returns int64. absent: of particles that are not there, of any size."""
+    if values.dtype.kind == "u":
+        large = values[(values >= 2**63) & (True if absent is None else values != absent)]
+        if large.size:
+            raise ValueError(f"{where} has {large[0]}, too large for int64")
+    return values.astype(np.int64)
+
+
+def _numbers(values: npt.NDArray[Any], where: str) -> npt.NDArray[Any]:
+    """Returns float64; int64 for integers that float64 would round."""
+    if values.dtype.kind in "iu" and np.any((values > 2**53) | (values < -(2**53))):
+        return _whole(values, where)
+    return values.astype(np.float64)
+
+
 class _File:
     def __init__(self, file: Any, path: str, dataset: Optional[str]) -> None:
         self.file, self.where = file, path
@@ -173,7 +189,7 @@ class _File:
             path = self.find(name)
             if path is None:
                 raise ValueError(f"{self.where}: no dataset {name!r}, neither in the group of the points nor at the root")
-            found[name] = np.array(self.column(path, frame), np.float64)
+            found[name] = _numbers(np.array(self.column(path, frame)), f"{self.where}: dataset {path!r}")
         ids, kept = None, np.full(len(points), True)
         for name in _IDS:
             path = f"{self.group}/{name}".strip("/")
@@ -182,10 +198,11 @@ class _File:
             values = self.column(path, frame)
             if values.shape != (len(points),) or values.dtype.kind not in "iu":
                 continue
-            ids = values.astype(np.int64)
-            created = self.file[path].id.get_create_plist()
-            if self.particles is not None and created.fill_value_defined() == 2:  # by the user
-                kept &= values != self.file[path].fillvalue
+            filled = self.particles is not None and self.file[path].id.get_create_plist().fill_value_defined() == 2  # by the user
+            absent = self.file[path].fillvalue if filled else None
+            ids = _whole(values, f"{self.where}: dataset {path!r}", absent)
+            if absent is not None:
+                kept &= values != absent
             break
         if self.particles is not None:
             real = np.flatnonzero(~np.all(np.isnan(points), axis=1))

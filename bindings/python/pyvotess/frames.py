@@ -42,7 +42,8 @@ class Frame:
     timestep: Optional[float] = None
     ids: Optional[Int64Array] = None  #: (N,)
     species: Optional[List[str]] = None  #: N elements or types
-    #: other numbers, (N,) or (N, width); words, (N,), of columns that read_frames() names
+    #: other numbers, (N,) or (N, width), int64 where float64 would round an integer, else float64; words, (N,), of
+    #: columns that read_frames() names
     columns: Dict[str, npt.NDArray[Any]] = field(default_factory=dict)
     units: Dict[str, Union[float, str]] = field(default_factory=dict)
 
@@ -118,8 +119,9 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
     points = _read(stream, np.float64, head["dimensions"] * count).reshape(-1, head["dimensions"])
     ids = _read(stream, np.int64, count) if head["ids"] else None
     columns = {}
-    for name, width, size in head["columns"]:
-        values = _read(stream, np.float64, count * width) if width else np.array(_words(stream, size), str)
+    for name, width, size, integers in head["columns"]:
+        number = np.int64 if integers else np.float64
+        values = _read(stream, number, count * width) if width else np.array(_words(stream, size), str)
         columns[name] = values if width < 2 else values.reshape(-1, width)
     species = _words(stream, head["species"])
     domain: Dict[str, Any] = {name: np.array(head[name], float) for name in ("box", "cell", "origin") if name in head}

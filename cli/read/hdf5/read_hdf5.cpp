@@ -215,7 +215,7 @@ private:
         if (to.columns.empty()) to.columns = columns_;
         for (std::size_t c = 0; c < to.columns.size(); ++c) {
             if (part_->columns[c])
-                part_->columns[c]->append_to(to.columns[c].values, first, rows);
+                append_column(*part_->columns[c], first, rows, to.columns[c]);
             else
                 to.columns[c].values.insert(to.columns[c].values.end(), rows, *mass_of_all());
         }
@@ -223,6 +223,18 @@ private:
         part_->next += passed;
         read_ += passed;
         return true;
+    }
+
+    static void append_column(const Hdf5Dataset& from, std::uint64_t first, std::uint64_t rows, InputColumn& to) {
+        InputColumn part{.name = to.name, .width = to.width, .carried = to.carried};
+        from.append_to(part.values, first, rows);
+        if (from.is_whole() && std::ranges::any_of(part.values, [&](double x) { return part.may_round(x); })) {
+            std::vector<std::int64_t> integers;
+            from.append_to(integers, first, rows);
+            part.values.clear();
+            for (const std::int64_t integer : integers) part.append_integer(integer);
+        }
+        to.append_all(part);
     }
 
     // Removes particles that a file of H5MD lists without a place, from row `begin` on: those whose id is the fill
@@ -349,14 +361,16 @@ private:
     // Finds the requested columns; with all_columns also the others in the group of the points.
     [[nodiscard]] std::vector<InputColumn> wanted(const Hdf5File& file, std::uint64_t rows) const {
         std::vector<InputColumn> columns;
-        for (const std::string& name : request_.columns) {
+        for (std::size_t c = 0; c < request_.columns.size(); ++c) {
+            const std::string& name = request_.columns[c];
+            const bool carried = c >= request_.first_carried;
             if (is_mass_of_all(name, file)) {
                 columns.push_back({.name = name});
                 continue;
             }
             if (request_.columns_may_lack && find_column(name, file).empty()) continue;
             const Hdf5Dataset values = open_column(file, path_of(name, file), rows);
-            columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
+            columns.push_back({.name = name, .width = static_cast<std::size_t>(values.width()), .carried = carried});
         }
         const std::string group = group_of(name_);
         for (const std::string& path : request_.all_columns ? file.datasets() : std::vector<std::string>()) {
@@ -368,7 +382,7 @@ private:
             const Hdf5Dataset values = open_column(file, path, rows);
             if (columns.size() == max_columns) throw bad_input(file.path() + ": too many columns for --copy all");
             if (values.is_numbers() && values.rows() == rows)
-                columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
+                columns.push_back({.name = name, .width = static_cast<std::size_t>(values.width()), .carried = true});
         }
         const bool named = std::ranges::find(columns, "Masses", &InputColumn::name) != columns.end();
         if (request_.all_columns && !named && is_mass_of_all("Masses", file)) columns.push_back({.name = "Masses"});
