@@ -242,7 +242,7 @@ bool Newton::advance() {
     if (lift_ > 0 || now_.residual < rounded) return false;
     filling_ = false;
     climbed_ = 0.5 * std::min(now_.residual, 1.0);
-    damping_ = first_damping * matrix_.diagonal().mean();
+    damping_ = first_damping * damping_unit();
     return climb();
 }
 
@@ -270,10 +270,16 @@ void Newton::keep_best() {
     if (now_.volumes.minCoeff() > 0 && (!best_ || now_.residual < best_->residual)) best_ = now_;
 }
 
+double Newton::damping_unit() const {
+    const auto places = Eigen::Map<const Eigen::Matrix3Xd>(problem_.places.data(), 3, problem_.targets.size());
+    const double extent = (places.rowwise().maxCoeff() - places.rowwise().minCoeff()).squaredNorm();
+    return std::max(matrix_.diagonal().mean(), problem_.targets.mean() / extent);
+}
+
 bool Newton::climb() {
     keep_best();
     const Vector rest = problem_.targets - now_.volumes;
-    const double most = max_damping * matrix_.diagonal().mean();
+    const double most = max_damping * damping_unit();
     for (; damping_ <= most; damping_ *= damping_growth) {
         Matrix damped = matrix_;
         damped.diagonal().array() += damping_;

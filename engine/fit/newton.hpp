@@ -93,6 +93,9 @@ private:
     [[nodiscard]] bool advance();
     // Takes the longest step that empties no cell and comes nearer. Returns false if none does.
     [[nodiscard]] bool approach();
+    // Returns the mean derivative of a volume by its weight; where hardly two cells touch, that of cells as wide as the
+    // box of the seeds.
+    [[nodiscard]] double damping_unit() const;
     // Takes a damped step upward. Returns false if none is left.
     [[nodiscard]] bool climb();
     // Keeps the diagram if it is the best one without empty cells since steps lead upward.

@@ -242,6 +242,15 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("fit: two seeds in two parts of a mesh, whose cells touch nowhere") {
+        const test::Solid solid = test::joined(test::cuboid({0, 0, 0}, {1, 1, 1}), test::cuboid({2, 0, 0}, {3, 1, 1}));
+        Options options;
+        options.mesh = solid.mesh();
+        const std::vector<double> points{0.5, 0.5, 0.5, 2.5, 0.5, 0.5}, targets{0.75, 1.25};
+        const votess::VolumeFit fit = votess::fit_volumes(points, targets, options);
+        CHECK(fit.weights[1] - fit.weights[0] == doctest::Approx(3));  // they meet at x = 0.75
+    }
+
     TEST_CASE("fit: masses under an image, half of which is black, for any number of threads") {
         Grains g = grains(400, false);
         std::vector<double> flat, pixels(16 * 12);
