@@ -74,7 +74,8 @@ struct ScaledPoints {
         });
         if (dimensions == 3) return;
         apex = static_cast<std::int32_t>(points.size());
-        points.push_back({lower[0] * scale, lower[1] * scale, 1});
+        const double height = std::ldexp(1, std::ilogb(largest * scale) + 1);  // so that the unit has no influence
+        points.push_back({lower[0] * scale, lower[1] * scale, height});
     }
 };
 

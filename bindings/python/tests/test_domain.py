@@ -456,6 +456,16 @@ class NoBox(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "in one plane"):
             vt.tessellate(points(20) * [1, 1, 0], box="hull")
 
+    def test_walls_of_the_hull_in_any_unit(self):
+        for dimensions in (2, 3):
+            for seeds in (points(n)[:, :dimensions] for n in (4, 9, 30, 100)):
+                walls = vt.tessellate(seeds, box="hull", device="cpu").walls
+                for unit in 2.0 ** np.array([-300, -40, -3, 5, 300]):
+                    scaled = vt.tessellate(seeds * unit, box="hull", device="cpu").walls
+                    size = np.linalg.norm(scaled[:, :-1], axis=1, keepdims=True)
+                    expected = walls / np.linalg.norm(walls[:, :-1], axis=1, keepdims=True)
+                    np.testing.assert_allclose(scaled / size / np.append(np.ones(dimensions), unit), expected, rtol=1e-12)
+
     def test_what_needs_an_end(self):
         t = vt.tessellate(points(20), box="none", want="faces,volumes,areas", device="cpu")
         for call in (t.derivatives, t.voronoi_indices, lambda: t.save("x.ply")):
