@@ -406,6 +406,8 @@ class Streamed(Hdf5Test):
             self.assertAlmostEqual(np.nansum(file["density"][()] * file["volumes"][()]), rows[:, 4].sum(), places=8)
         self.assertSame("a.csv", "--radii", "r", "--copy", "mass", "--density", "mass")
         self.assertSame("a.csv", "--weights", "mass", "--copy", "all")
+        self.put("long.csv", "id,x,y,z,mass,r\n" + "".join(f"{line}{'0' * 1200}\n" for line in lines))  # parts for threads
+        self.assertSame("long.csv", "--weights", "mass", "--copy", "r")
         self.assertSame("-", stdin="# x y z\n" + "\n".join(line.replace(",", " ").rsplit(" ", 2)[0] for line in lines))
         self.put("rows.xyz", "\n".join(line.replace(",", " ").rsplit(" ", 2)[0] for line in lines))
         self.assertSame("rows.xyz")
