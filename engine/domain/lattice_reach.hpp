@@ -11,9 +11,9 @@
 
 namespace votess {
 
-// How far a seed lies from those whose cells touch its own. A shared point is as near to the seeds as to their images by
-// any vector +-a of the lattice, of the same weight. So n.a <= |a|^2 for the difference n of the seeds. This excludes
-// images across an axis far shorter than the cells, which rounding leaves within their reach.
+// How far a seed lies from those whose cells touch its own. A shared point is as near to the seeds as to their images
+// by any vector +-a of the lattice, of the same weight. So n.a <= |a|^2 for the difference n of the seeds. This
+// excludes images across an axis far shorter than the cells, which rounding leaves within their reach.
 class LatticeReach {
 public:
     LatticeReach() = default;
