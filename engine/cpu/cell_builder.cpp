@@ -11,7 +11,6 @@
 #include "core/arithmetic.hpp"
 #include "core/box.hpp"
 #include "core/progress.hpp"
-#include "domain/lattice_reach.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -139,6 +138,7 @@ CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, c
 
 void CellBuilder::begin_job(const Domain& domain) {
     domain_ = &domain;
+    lattice_reach_ = LatticeReach(domain);
     plain_ = !domain.is_periodic() && !domain.has_weights();
     rounding_ = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -824,7 +824,7 @@ void CellBuilder::push_far(const ImageNode& node, const Homes& homes) {
     const Box box = box_of(node, homes.seeds, homes.hierarchy);
     const Box images = seen_from({}, images_of(*domain_, box, node.shifts, homes.at), homes.rounding);
     const double distance_squared = box_distance(images, {});
-    if (distance_squared >= reach_squared()) return;
+    if (distance_squared >= reach_squared() || !lattice_reach_.may_touch(images)) return;
     if (homes.unwrapped == nullptr) {
         Box places = images;
         for (std::size_t k = 0; k < 3; ++k) places.lower[k] += at_[k], places.upper[k] += at_[k];
@@ -876,7 +876,7 @@ void CellBuilder::clip_far_images(const Homes& homes) {
     far_images_.clear();
     push_far({top, 0,
               shifts_around(*domain_, homes.hierarchy.box(top, 0), homes.at,
-                            std::min(std::sqrt(reach_squared()), neighbor_reach(*domain_)))},
+                            std::min(std::sqrt(reach_squared()), lattice_reach_.distance()))},
              homes);
     while (!far_images_.empty()) {
         std::pop_heap(far_images_.begin(), far_images_.end(), farther_images);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "domain/lattice_reach.hpp"
 #include "domain/probe.hpp"
 #include "index/hierarchy.hpp"
 #include "index/image_nodes.hpp"
@@ -162,6 +163,7 @@ private:
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
+    LatticeReach lattice_reach_;
     Cell cell_;
     bool plain_ = true;                     // no images and no weights
     double rounding_ = 0;                   // of distances to images

@@ -6,7 +6,6 @@
 
 #include "core/box.hpp"
 #include "core/errors.hpp"
-#include "domain/lattice_reach.hpp"
 #include "index/seed_images.hpp"
 
 namespace votess::cpu {
@@ -19,6 +18,7 @@ constexpr double tiny = 1e-290;  // above the underflow of a square
 
 Locator::Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hierarchy)
     : domain_(*job.domain),
+      lattice_reach_(domain_),
       seeds_(seeds),
       hierarchy_(hierarchy),
       kernels_(*find_kernels(job.instructions)),
@@ -150,6 +150,7 @@ void Locator::search() {
 
 void Locator::push_far(const ImageNode& node) {
     const Box images = images_of(domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_);
+    if (!lattice_reach_.may_touch(images)) return;
     const double weight = node.level < 0 && !seeds_.weights.empty()
                               ? seeds_.weights[node.node]
                               : hierarchy_.largest_weight(std::max(node.level, 0), node.node);
@@ -165,7 +166,7 @@ void Locator::search_images() {
     far_.clear();
     push_far(
         {top, 0,
-         shifts_around(domain_, hierarchy_.box(top, 0), at_, std::min(std::sqrt(reach), neighbor_reach(domain_)))});
+         shifts_around(domain_, hierarchy_.box(top, 0), at_, std::min(std::sqrt(reach), lattice_reach_.distance()))});
     while (!far_.empty()) {
         const ImageNode node = far_.back();
         far_.pop_back();

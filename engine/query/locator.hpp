@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "domain/lattice_reach.hpp"
 #include "domain/probe.hpp"
 #include "index/hierarchy.hpp"
 #include "index/image_nodes.hpp"
@@ -67,6 +68,7 @@ private:
     [[nodiscard]] exact::Plane plane_of(const Candidate& candidate, const exact::Shift& by) const;
 
     const Domain& domain_;
+    const LatticeReach lattice_reach_;
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const Kernels& kernels_;

@@ -5,7 +5,6 @@
 
 #include "core/progress.hpp"
 #include "domain/domain.hpp"
-#include "domain/lattice_reach.hpp"
 
 namespace votess {
 namespace {
@@ -16,7 +15,7 @@ constexpr std::size_t seeds_per_stop = 16384, images_per_stop = 256;  // after w
 
 }  // namespace
 
-BruteForce::BruteForce(const Job& job) : job_(job), domain_(*job.domain) {
+BruteForce::BruteForce(const Job& job) : job_(job), domain_(*job.domain), lattice_reach_(domain_) {
     place_.reserve(job.points.count());
     for (std::size_t i = 0; i < job.points.count(); ++i) place_.push_back(place_of(seed_of(i)));
 }
@@ -64,7 +63,7 @@ void BruteForce::clip(const Own& own, cpu::Cell& cell) {
         if (s % seeds_per_stop == 0) check_stop();
         const exact::Point& at = place_[s].at;
         const ShiftRange shifts = domain_.is_periodic() ? shifts_around(domain_, {at, at}, own_.place.at,
-                                                                        std::min(reach, neighbor_reach(domain_)))
+                                                                        std::min(reach, lattice_reach_.distance()))
                                                         : ShiftRange{};
         add(s, shifts, reach * reach);
     }
@@ -110,7 +109,8 @@ void BruteForce::add(std::size_t seed, const ShiftRange& shifts, double max_squa
         const double gap = std::max({0.0, box.lower[k], -box.upper[k]});
         square += gap * gap;
     }
-    if (square > max_square) return;
+    const bool has_images = own_.index < place_.size();
+    if (square > max_square || (has_images && !lattice_reach_.may_touch(box))) return;
     images_.push_back({square, seed, shifts});
     std::ranges::push_heap(images_, farther);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/arithmetic.hpp"
+#include "domain/lattice_reach.hpp"
 #include "input/job.hpp"
 #include "polytope/cell.hpp"
 
@@ -58,6 +59,7 @@ private:
 
     const Job& job_;
     const Domain& domain_;
+    const LatticeReach lattice_reach_;
     std::vector<Place> place_;
     exact::Point largest_{}, place_rounding_{};
     double rounding_ = 0;  // of distances

@@ -126,6 +126,35 @@ TEST_SUITE("cases") {
                 }
     }
 
+    TEST_CASE("periodic: the faces of boxes of any aspect are those of a long one") {
+        const std::vector<std::size_t> names{0, 1, 2, 3, 4, 5, 6};
+        test::Random random(29);
+        for (const std::size_t count : {std::size_t{1}, std::size_t{2}, names.size()})
+            for (const std::size_t axis : {std::size_t{1}, std::size_t{2}})
+                for (const bool weighted : {false, true}) {
+                    Coordinates points(3 * count), weights(weighted ? count : 0);
+                    for (double& x : points) x = random.uniform();
+                    for (double& w : weights) w = random.uniform();
+                    votess::Tessellation first;
+                    for (const int exponent : {20, 34, 38, 60, 100}) {
+                        Box box = test::unit_box();
+                        box.upper[axis] = std::ldexp(1.0, exponent);
+                        Coordinates places = points;
+                        for (std::size_t i = 0; i < count; ++i) places[3 * i + axis] *= box.upper[axis];
+                        Options options = periodic_options(box, {true, true, axis == 2});
+                        options.weights = weights;
+                        auto t = votess::tessellate(places, options);
+                        if (exponent == 20) first = std::move(t);
+                        CAPTURE(count);
+                        CAPTURE(axis);
+                        CAPTURE(weighted);
+                        CAPTURE(exponent);
+                        for (std::size_t i = 0; i < count && exponent > 20; ++i)
+                            CHECK(row_of(t, i, names) == row_of(first, i, names));
+                    }
+                }
+    }
+
     TEST_CASE("periodic: the same seed one period on is a duplicate, one bit off it is not") {
         const Coordinates points{0.25, 0.25, 0.25, 1.25, 0.25, 0.25, 0.5, 0.75, 0.5, -1.75, 5.25, 0.25};
         const auto t = votess::tessellate(points, periodic_options());
