@@ -1000,18 +1000,22 @@ Name Certificate::owner_of(Worker& w, std::size_t i, const Vector3& place) const
 }
 
 // Finds the plane of a live seed that cuts off the most corners of the polytope of seed i, among the owner of a place
-// and its neighbors. Returns how many corners it leaves inside, or nothing if it cuts off none.
-std::optional<std::size_t> Certificate::best_cut(Worker& w, std::size_t i, const Vector3& place, Name& best) const {
+// and its neighbors. Returns how many corners it leaves inside, or nothing if it cuts off none. Without exact signs
+// corners count only where rounded numbers settle it.
+std::optional<std::size_t> Certificate::best_cut(Worker& w, std::size_t i, const Vector3& place, bool exactly,
+                                                 Name& best) const {
     std::optional<std::size_t> fewest;
     const auto consider = [&](const Name& name) {
         const RoundedPlane plane = w.polytope.seen(name);
         if (plane.length == 0 && planes_.weight(static_cast<std::size_t>(name.id)) <= planes_.weight(i)) return;
         std::size_t inside = 0, outside = 0;
-        for (const RowPolytope::Corner& corner : w.polytope.corners()) {
+        for (int v = 0; v < static_cast<int>(w.polytope.corners().size()); ++v) {
+            const RowPolytope::Corner& corner = w.polytope.corners()[at(v)];
             const double along = dot(plane.n, corner.at), slack = plane.d - along,
                          bound = corner.error * plane.length + 0x1p-48 * (std::abs(along) + plane.size);
-            inside += slack > bound ? 1 : 0;
-            outside += slack < -bound ? 1 : 0;
+            const int side = slack > bound ? -1 : slack < -bound ? 1 : exactly ? w.polytope.side(v, name) : 0;
+            inside += side < 0 ? 1 : 0;
+            outside += side > 0 ? 1 : 0;
         }
         if (outside > 0 && inside < fewest.value_or(inside + 1)) fewest = inside, best = name;
     };
@@ -1047,8 +1051,12 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
             for (std::size_t k = 0; k < 3 && cuts > 0; ++k)
                 middle[k] += corner.at[k] / static_cast<double>(corners.size());
         Name best{};
-        std::optional<std::size_t> inside = best_cut(w, i, middle, best);
-        for (std::size_t v = 0; v < corners.size() && !inside; ++v) inside = best_cut(w, i, corners[v].at, best);
+        std::optional<std::size_t> inside;
+        for (const bool exactly : {false, true}) {
+            if (!inside) inside = best_cut(w, i, middle, exactly, best);
+            for (std::size_t v = 0; v < corners.size() && !inside; ++v)
+                inside = best_cut(w, i, corners[v].at, exactly, best);
+        }
         if (!inside) break;
         bool excluded = *inside == 0;
         for (int v = 0; v < static_cast<int>(corners.size()) && excluded; ++v) excluded = polytope.side(v, best) >= 0;

@@ -166,7 +166,7 @@ private:
     void check_other(Worker& w, std::size_t i);
     void check_hidden(Worker& w, std::size_t i);
     [[nodiscard]] RowPolytope::Name owner_of(Worker& w, std::size_t i, const Vector3& place) const;
-    [[nodiscard]] std::optional<std::size_t> best_cut(Worker& w, std::size_t i, const Vector3& place,
+    [[nodiscard]] std::optional<std::size_t> best_cut(Worker& w, std::size_t i, const Vector3& place, bool exactly,
                                                       RowPolytope::Name& best) const;
     template <class Visit>
     void for_neighbors(const RowPolytope::Name& of, const Visit& visit) const;
