@@ -102,6 +102,11 @@ void add(const votess::Stats& one, votess::Stats& sum) {
     sum.mean_faces = cells > 0 ? static_cast<double>(sum.faces) / static_cast<double>(cells) : 0;
 }
 
+// Returns how many cells are verified: all by a proof, else those that every point has clipped.
+std::uint64_t verified_cells(const votess::VerifyReport& report, std::uint64_t points) {
+    return report.proven ? points : report.sampled;
+}
+
 void add(const votess::VerifyReport& one, votess::VerifyReport& sum) {
     sum.sampled += one.sampled;
     sum.proven &= one.proven;
@@ -299,7 +304,8 @@ std::string json_summary(const Summary& summary) {
     member("proven", !summary.verified ? "null" : summary.verified->proven ? "true" : "false");
     const bool unproven = summary.verified && !summary.verified->unproven.empty();
     member("unproven", unproven ? json_string(summary.verified->unproven) : "null");
-    member("verified_cells", summary.verified ? std::to_string(summary.verified->sampled) : "null");
+    member("verified_cells",
+           summary.verified ? std::to_string(verified_cells(*summary.verified, stats.points)) : "null");
     if (!summary.mesh.empty()) {
         member("mesh", json_string(summary.mesh));
         member(summary.mesh_parts, std::to_string(summary.triangles));

@@ -47,6 +47,7 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
         for (std::size_t k = begin; k < end; ++k) {
             const auto seed = static_cast<std::size_t>(order_[k]);
             worker.writer.prefetch(seed);
+            if (k + 8 < end) kept.prefetch(static_cast<std::size_t>(order_[k + 8]));
             if (worker.writer.write(seed, kept.cell(seed))) continue;
             finish(&clip_by_faces(seed, kept.cell(seed), worker), seed, worker);
         }

@@ -188,8 +188,10 @@ Vector start_of(const Job& job, std::span<const std::int32_t> order) {
     return start;
 }
 
-void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<Under> density,
-         std::span<const double> targets, const FitOptions& options, int dimensions, ThreadPool& pool, VolumeFit& out) {
+// Returns the runner of the last cells.
+Runner fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<Under> density,
+           std::span<const double> targets, const FitOptions& options, int dimensions, ThreadPool& pool,
+           VolumeFit& out) {
     std::vector<double> places(job.points.f64.begin(), job.points.f64.end());
     move_into_domain(job, places);
     const std::vector<std::int32_t> order = order_of(job, places, pool);
@@ -207,7 +209,7 @@ void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<
     out.weights.assign(job.points.count(), 0);
     for (std::size_t row = 0; row < order.size(); ++row)
         out.weights[static_cast<std::size_t>(order[row])] = newton.now().weights[static_cast<Eigen::Index>(row)];
-    if (converged) return;
+    if (converged) return newton.take_runner();
     const std::string message = "fit_volumes: after " + std::to_string(out.steps) + " steps the largest error of a " +
                                 (options.density ? "mass" : "volume") + " is " + number(out.residual) +
                                 " of its target, more than the tolerance " + number(options.tolerance) + ": " +
@@ -240,6 +242,7 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
     if (options.density) values = fields::checked_values(*options.density, whole.region.planar, "fit_volumes", false);
     const Job job = make_job(std::move(in_space));
     const std::size_t count = job.points.count();
+    Runner runner;
     if (count > 0) {
         if (std::ranges::count(job.outside, CellStatus::outside) == static_cast<std::ptrdiff_t>(count))
             refuse("all points are outside and dropped: move some into the domain");
@@ -260,12 +263,13 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
         }
         std::vector<double> volumes = checked_targets(job, targets, all, options);
         for (double& volume : volumes) volume /= mean;
-        fit(job, mesh, std::move(density), volumes, options, sheet ? 2 : 3, pool, out);
+        runner = fit(job, mesh, std::move(density), volumes, options, sheet ? 2 : 3, pool, out);
     }
     const Timed last(out.seconds.tessellate);
     whole.weights = {out.weights};
     whole.progress = Stoppable::within({0.95, 1});
-    out.tessellation = tessellate(std::move(whole));
+    whole.follow = true;
+    out.tessellation = runner(std::move(whole));
     ++out.tessellations;
 }
 

@@ -16,8 +16,8 @@ constexpr double first_change = 1;  // of log volume: root of the mean square, w
 constexpr double min_goal = 0.25;   // goal / volume: smaller cells die when larger ones move
 constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
-// Steps from a larger residual change most cells.
-constexpr double long_step = 10;
+// Steps change most cells from a larger residual, if log volume also differs by more: root of the mean square.
+constexpr double long_step = 10, long_change = 0.8;
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
 constexpr double dying = 1e-4, max_dying = 0.1;
 constexpr int max_revivals = 3, max_first_revivals = 40;
@@ -145,7 +145,8 @@ std::vector<double> Newton::areas() const {
 }
 
 Weighted Newton::trial(const Vector& step) {
-    if (now_.residual > long_step) forget();
+    const double change = distance_between(now_.volumes, problem_.targets);
+    if (now_.residual > long_step && change > long_change * std::sqrt(static_cast<double>(step.size()))) forget();
     const Vector least = dying * now_.volumes.cwiseMin(problem_.targets);
     return revived(tessellate(now_.weights + step), now_.tessellation, least, max_revivals, left_small, max_dying);
 }

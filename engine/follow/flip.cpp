@@ -80,7 +80,7 @@ bool Flip::apply(std::size_t member, std::span<const std::int32_t> order, LooseC
     }
     if (!joins && is_end(member))
         for (std::size_t k = 0; k < 5; ++k)
-            if (k != member && is_end(k)) cell.remove_face(face[k]);
+            if (k != member && is_end(k)) return cell.remove_face(face[k]);
     return true;
 }
 
@@ -131,7 +131,7 @@ bool find_flip(std::span<std::byte* const> cells, std::size_t seed, const SignTe
     // Signs.
     std::array<std::array<double, 4>, 5> normal{};
     for (std::size_t k = 1; k < 5; ++k)
-        for (std::size_t j = 0; j < 4; ++j) normal[k][j] = signs.plane[face[k]][j] * signs.unit[face[k]];
+        for (std::size_t j = 0; j < 4; ++j) normal[k][j] = signs.plane[face[k]][j] / signs.scale[face[k]];
     double volume[5];  // of the tetrahedra of all members but one
     for (std::size_t k = 1; k < 5; ++k) {
         const auto three = others(0, k);

@@ -17,8 +17,8 @@ class KeptCell {
 public:
     struct Head {
         std::uint16_t room;  // bytes / 8 of the storage
-        std::uint8_t faces, corners, used, tests;
-        bool shifted, tied;  // some neighbor is an image; some sign was 0
+        std::uint8_t faces, corners, used, tests, planes;
+        bool shifted : 1, tied : 1;  // some neighbor is an image; some sign was 0
     };
     static constexpr int max_shift = 2;  // of neighbors whose signs are tested
     using NearShift = std::array<std::int8_t, 3>;
@@ -54,8 +54,12 @@ public:
     [[nodiscard]] std::span<const Test> tests() const {
         return {reinterpret_cast<const Test*>(corners().data() + head().corners), head().tests};
     }
+    // The planes of the used corners and of tests(), ascending.
+    [[nodiscard]] std::span<const std::uint8_t> planes() const {
+        return {reinterpret_cast<const std::uint8_t*>(tests().data() + head().tests), head().planes};
+    }
     [[nodiscard]] static std::size_t bytes(const Head& head) {
-        return sizeof(Head) + (head.shifted ? 7u : 4u) * head.faces + 3u * head.corners + 2u * head.tests;
+        return sizeof(Head) + (head.shifted ? 7u : 4u) * head.faces + 3u * head.corners + 2u * head.tests + head.planes;
     }
 
     // For other numbers of seeds. A cell next to a seed that has left becomes tied, and has `no_seed` in its place.

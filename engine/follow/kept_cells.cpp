@@ -16,16 +16,18 @@ namespace {
 
 constexpr std::size_t task_seeds = 4096, tasks_per_thread = 2, cells_per_check = 4096,
                       chunk_bytes = std::size_t{1} << 20;
-constexpr std::size_t min_tested = 512, min_sample = 32, sample_share = 64, max_sample = 4096;
+constexpr std::size_t max_tested = 512, min_sample = 32, sample_share = 256, max_sample = 1024;
 // Shares of cells, from which on a fresh call is faster: those of a sample that have wrong signs, those of it that must
 // be made again, and all pending ones.
 constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
+// Going on costs less than beginning.
+constexpr double gain_of_stored = 1.25;
 // Power cells beside their seeds take several times as long to find.
 constexpr double max_wrong_beside = 0.7;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
 constexpr std::size_t rows_sample = 64;
-constexpr unsigned unmatched_until_record = 16;  // calls
+constexpr unsigned unmatched_until_record = 16, max_skipped = 4;  // calls
 constexpr std::size_t max_flips = 256;           // for one cell and those that it changes
 
 }  // namespace
@@ -48,6 +50,7 @@ void KeptCells::clear() {
     always_.reset();
     places_ = {};
     settled_ = false;
+    refusals_ = skipped_ = 0;
 }
 
 void KeptCells::set_frame(const Job& job) {
@@ -186,9 +189,17 @@ bool KeptCells::sample_pays(const Job& job) {
     std::size_t tested = 0, wrong = 0, made = 0, beside = 0;
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
-    const std::size_t step =
-        complete_ ? std::min(sample_step_, std::max<std::size_t>(1, count_ / min_tested)) : sample_step_;
-    for (std::size_t begin = 0; begin < count_; begin += sample_block * step)
+    const std::size_t step = complete_ ? std::max<std::size_t>(1, count_ / max_tested) : sample_step_;
+    const std::size_t total = std::max(count_ / step, min_sample);
+    double cost = 0, expected = 0;
+    const auto update = [&] {
+        const double share =
+            std::lerp(max_wrong, max_wrong_beside, static_cast<double>(beside) / static_cast<double>(tested));
+        cost = static_cast<double>(wrong) + static_cast<double>(made) * (share / max_made);
+        expected = share * static_cast<double>(total) * (complete_ ? gain_of_stored : 1);
+        expected += std::sqrt(expected);  // by chance
+    };
+    for (std::size_t begin = 0; begin < count_ && cost <= 2 * expected; begin += sample_block * step) {
         for (std::size_t s = begin; s < std::min(count_, begin + sample_block); ++s) {
             ++tested;
             const KeptCell cell = this->cell(s);
@@ -208,12 +219,11 @@ bool KeptCells::sample_pays(const Job& job) {
             beside += lies_beside ? 1 : 0;
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
+        update();
+    }
     for (std::size_t k = before.size(); k > 0; --k) places_[before[k - 1].first] = before[k - 1].second;
-    const double share =
-        std::lerp(max_wrong, max_wrong_beside, static_cast<double>(beside) / static_cast<double>(tested));
-    const double expected = share * static_cast<double>(tested);
-    const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (share / max_made);
-    return cost <= expected + std::sqrt(expected);  // by chance
+    refusals_ = static_cast<double>(wrong) > 2 * expected ? refusals_ + 1 : 0;
+    return cost <= expected;
 }
 
 KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
@@ -228,7 +238,11 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
     } else if (others) {
         return ++unmatched_ % unmatched_until_record == 0 ? Plan::record : Plan::sample;
     }
-    if (!sample_pays(job)) return Plan::sample;
+    if (skipped_ > 0 && sampled_) return --skipped_ == 0 ? Plan::sample : Plan::none;
+    if (!sample_pays(job)) {
+        skipped_ = refusals_ > 1 ? std::min(refusals_ - 1, max_skipped) : 0;
+        return skipped_ > 0 ? Plan::none : Plan::sample;
+    }
     return complete_ ? Plan::repair : Plan::record;
 }
 
@@ -236,12 +250,14 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     plan_ = plan;
     complete_ = sampled_ = false;  // until commit()
     bool settled = std::exchange(settled_, false);
+    if (!settled) over_.clear();
     workers_.resize(std::max<std::size_t>(workers_.size(), pool.size()));
     for (Worker& worker : workers_) {
         worker.over_point.clear();
         worker.later.clear();
         worker.unmended.clear();
     }
+    std::atomic<bool> any_moves = false;
     const auto for_seeds = [&](const auto& visit) {
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
             for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s) {
@@ -256,10 +272,15 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         set_frame(job);
         settled = settled && frame_ == settled_frame_;
         still_.resize(count_);
-        return for_seeds([&](std::size_t s, bool stays) {
+        powers_.resize_uninitialized(count_);
+        for_seeds([&](std::size_t s, bool stays) {
             const std::uint8_t state = state_[s].exchange(kept, std::memory_order_relaxed);
             still_[s] = static_cast<std::uint8_t>((state == kept ? was_kept : 0) | (stays ? has_stayed : 0));
+            powers_[s] = powers_of(places_[s]);
+            if (!stays) any_moves.store(true, std::memory_order_relaxed);
         });
+        all_stay_ = !any_moves;
+        return;
     }
     settled = false;
     if (count_ != seeds.size()) {
@@ -429,7 +450,7 @@ bool KeptCells::check(std::size_t seed, Range range, Worker& worker) {
     const KeptCell cell = this->cell(seed);
     SignTest& signs = worker.signs;
     if (!cell.head().tied && test_(frame_, seed, cell, signs)) {
-        if (signs.may_hold) worker.over_point.push_back(seed);
+        if (may_hold(seed)) worker.over_point.push_back(seed);
         return false;
     }
     bool elsewhere = false;  // some flip changes cells of another worker
@@ -460,7 +481,8 @@ bool KeptCells::check(std::size_t seed, Range range, Worker& worker) {
                         ++common;
                     else
                         plane = f;
-                if (common == 2 && find(corners[v], plane)) return true;
+                if (common == 2 && std::ranges::binary_search(cell.planes(), plane) && find(corners[v], plane))
+                    return true;
             }
         }
     }
@@ -474,9 +496,13 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
         if (flip.id[k] < 0) continue;
         const auto seed = static_cast<std::size_t>(flip.id[k]);
         worker.loose.read(cell(seed));
-        if (!flip.apply(k, order_, worker.loose)) worker.loose.tied = true;
+        const bool applied = flip.apply(k, order_, worker.loose);
+        if (!applied) worker.loose.tied = true;
         std::byte*& at = cells_[seed];
-        const std::size_t room = room_of(at), bytes = worker.loose.pack(seed, worker.edges, room, scratch);
+        // Some cell that has a sign sees whether the new edge is there already: it becomes tied, and its neighbors
+        // pending.
+        if (!applied || flip.has_sign(k)) worker.loose.find_tests(seed, worker.edges);
+        const std::size_t room = room_of(at), bytes = worker.loose.pack(room, scratch);
         if (room < bytes) {
             at = allocate(bytes, worker);
             ++worker.grown;
@@ -505,7 +531,34 @@ void KeptCells::mend(std::size_t seed, Range range, Worker& worker) {
     }
 }
 
+KeptCells::Powers KeptCells::powers_of(const SeedPlace& seed) const {
+    constexpr auto infinity = std::numeric_limits<float>::infinity();
+    double way[3], square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        way[k] = frame_.point[k] - seed.x[k];
+        square += way[k] * way[k];
+    }
+    double tolerance = 0x1p-40 * (square + std::abs(seed.weight));
+    if (frame_.slack > 0) {
+        tolerance += 8 * frame_.slack * std::sqrt(square);
+        for (const auto& d : frame_.dual)
+            if (!(std::abs(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]) < 0.49)) return {-infinity, infinity};
+    }
+    return {static_cast<float>(square - seed.weight - tolerance), static_cast<float>(square - seed.weight + tolerance)};
+}
+
+// A neighbor that is nearer to the point settles it.
 bool KeptCells::may_hold(std::size_t seed) const {
+    const KeptCell cell = this->cell(seed);
+    const float least = powers_[seed].least;
+    const auto ids = cell.ids();
+    for (std::size_t f = 0; f < ids.size(); ++f)
+        if (ids[f] >= 0 && powers_[static_cast<std::size_t>(ids[f])].most < least && cell.near_shift(f) == NearShift{})
+            return false;
+    return is_no_farther(seed);
+}
+
+bool KeptCells::is_no_farther(std::size_t seed) const {
     const KeptCell cell = this->cell(seed);
     const auto [x, y, z] = way_to_point(places_[seed]);
     const double own = x * x + y * y + z * z, weight = places_[seed].weight;
@@ -537,7 +590,8 @@ void KeptCells::test(ThreadPool& pool) {
         const Range range{task * length, std::min(count_, (task + 1) * length)};
         for (std::size_t s = range.begin; s < range.end; ++s) {
             if (s % cells_per_check == 0) check_stop();
-            if (s + 2 < range.end && cells_[s + 2] != nullptr)
+            if (s + 8 < range.end) prefetch(s + 8);
+            if (!all_stay_ && s + 2 < range.end && cells_[s + 2] != nullptr)
                 for (const std::int32_t id : this->cell(s + 2).ids())
                     __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(id, 0))]);
             const KeptCell cell = this->cell(s);
@@ -545,8 +599,6 @@ void KeptCells::test(ThreadPool& pool) {
                 mark(static_cast<std::int32_t>(s));
             else if (!is_still(s))
                 mend(s, range, worker);
-            else if (may_hold(s))
-                worker.over_point.push_back(s);
         }
     });
     std::vector<std::size_t> later;
@@ -617,14 +669,15 @@ bool KeptCells::any_equal() const {
 // Made cells are right, so none of them is over the point if a kept one is and has less power there than all their
 // seeds.
 bool KeptCells::covers_once() {
-    std::vector<std::size_t> over;
+    std::vector<std::size_t>& over = over_;
+    std::erase_if(over, [&](std::size_t s) { return !is_still(s); });  // no other still cell is over it
     for (const Worker& worker : workers_) over.insert(over.end(), worker.over_point.begin(), worker.over_point.end());
     std::ranges::sort(over);
     const auto repeated = std::ranges::unique(over);
     over.erase(repeated.begin(), repeated.end());
     SignTest& signs = workers_.front().signs;
     std::erase_if(over, [&](std::size_t s) {  // a flip may have changed it
-        return !is_kept(s) || !test_(frame_, s, cell(s), signs) || !signs.may_hold;
+        return !is_kept(s) || !test_(frame_, s, cell(s), signs) || !may_hold(s);
     });
     if (over.size() > 1) return false;
     const auto power = [&](std::size_t s) {

@@ -98,6 +98,10 @@ public:
     // Lets a kept cell be made again.
     void drop(std::size_t seed) { state_[seed].store(made, std::memory_order_relaxed); }
     [[nodiscard]] KeptCell cell(std::size_t seed) const { return KeptCell(cells_[seed]); }
+    void prefetch(std::size_t seed) const {
+        constexpr std::size_t usual_bytes = 192;
+        for (std::size_t k = 0; k < usual_bytes && cells_[seed] != nullptr; k += 64) __builtin_prefetch(cells_[seed] + k);
+    }
 
 private:
     enum State : std::uint8_t { kept, pending, made };
@@ -116,6 +120,10 @@ private:
         std::size_t grown = 0;                // cells that got new memory
     };
 
+    // Bounds of a seed's power at the frame's point. They are infinite where another image may be nearer.
+    struct Powers {
+        float least, most;
+    };
     struct Range {  // of seeds
         std::size_t begin, end;
     };
@@ -127,6 +135,7 @@ private:
     [[nodiscard]] bool sample_pays(const Job& job);
     [[nodiscard]] bool is_still(std::size_t seed) const {
         if (still_[seed] != (was_kept | has_stayed)) return false;
+        if (all_stay_) return true;
         for (const std::int32_t id : cell(seed).ids())
             if (id >= 0 && (still_[static_cast<std::size_t>(id)] & has_stayed) == 0) return false;
         return true;
@@ -141,6 +150,8 @@ private:
     void mend(std::size_t seed, Range range, Worker& worker);
     // Whether the cell may be over the frame's point.
     [[nodiscard]] bool may_hold(std::size_t seed) const;
+    [[nodiscard]] bool is_no_farther(std::size_t seed) const;
+    [[nodiscard]] Powers powers_of(const SeedPlace& seed) const;
     void mark_around(const KeptCell& cell, const KeptCell::Corner& corner);
     void mark_wrong(const KeptCell& cell, std::size_t seed, const SignTest& signs);
     void mark_changes(const KeptCell& before, const KeptCell& now, Worker& worker);
@@ -155,17 +166,22 @@ private:
     std::array<bool, 3> periodic_{};
     std::size_t sample_step_ = 1;
     unsigned unmatched_ = 0;  // calls with other numbers of seeds than those of the sample
+    // Samples in a row of which by far too many cells were wrong, and calls until the next one is stored.
+    unsigned refusals_ = 0, skipped_ = 0;
     Plan plan_ = Plan::record;
     Buffer<std::int32_t> order_;
     std::vector<std::byte*> cells_;  // by sorted seed
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
     Buffer<SeedPlace> places_;
+    Buffer<Powers> powers_;  // by sorted seed
     // Whether the last call was a repair, so that its cells had right signs in its frame.
     bool settled_ = false;
     SignFrame settled_frame_{};
     static constexpr std::uint8_t was_kept = 1, has_stayed = 2;
     std::vector<std::uint8_t> still_;  // by sorted seed: whether its cell was kept, and whether it has not moved since
+    bool all_stay_ = false;
+    std::vector<std::size_t> over_;  // kept cells that may be over the frame's point: one or none
     SignFrame frame_{};
     SignTester test_ = nullptr;
 };

@@ -13,12 +13,25 @@ void LooseCell::read(const KeptCell& cell) {
     faces = cell.faces();
     corners = cell.corners().size();
     tied = cell.head().tied;
+    used = cell.head().used;
+    tests = cell.tests().size();
+    planes = cell.planes().size();
+    std::ranges::copy(cell.tests(), test.begin());
+    std::ranges::copy(cell.planes(), plane.begin());
     std::ranges::copy(cell.ids(), id.begin());
     std::ranges::copy(cell.corners(), corner.begin());
     if (!cell.head().shifted)
         std::fill_n(shift.begin(), faces, NearShift{});
     else
         for (std::size_t f = 0; f < faces; ++f) shift[f] = cell.near_shift(f);
+}
+
+template <class Number>
+void LooseCell::renumber(const Number& number) {
+    for (std::size_t v = 0; v < corners; ++v)
+        for (std::uint8_t& f : corner[v]) f = number(f);
+    for (std::size_t t = 0; t < tests; ++t) test[t].plane = number(test[t].plane);
+    for (std::size_t k = 0; k < planes; ++k) plane[k] = number(plane[k]);
 }
 
 std::size_t LooseCell::find(std::int32_t of, const NearShift& by) const {
@@ -33,16 +46,18 @@ void LooseCell::insert_face(std::size_t at, std::int32_t of, const NearShift& by
     id[at] = of;
     shift[at] = by;
     ++faces;
-    for (std::size_t v = 0; v < corners; ++v)
-        for (std::uint8_t& f : corner[v]) f += f >= at ? 1 : 0;
+    renumber([at](std::uint8_t f) { return static_cast<std::uint8_t>(f + (f >= at ? 1 : 0)); });
 }
 
-void LooseCell::remove_face(std::size_t at) {
+bool LooseCell::remove_face(std::size_t at) {
+    for (std::size_t v = 0; v < corners; ++v)
+        for (const std::uint8_t f : corner[v])
+            if (f == at) return false;
     std::copy(id.begin() + at + 1, id.begin() + faces, id.begin() + at);
     std::copy(shift.begin() + at + 1, shift.begin() + faces, shift.begin() + at);
     --faces;
-    for (std::size_t v = 0; v < corners; ++v)
-        for (std::uint8_t& f : corner[v]) f -= f > at ? 1 : 0;
+    renumber([at](std::uint8_t f) { return static_cast<std::uint8_t>(f - (f > at ? 1 : 0)); });
+    return true;
 }
 
 void LooseCell::sort_faces(std::span<const std::int32_t> order) {
@@ -65,58 +80,79 @@ void LooseCell::sort_faces(std::span<const std::int32_t> order) {
         for (std::uint8_t& f : corner[v]) f = to[f];
 }
 
-std::size_t LooseCell::pack(std::size_t seed, CornerEdges& edges, std::size_t room, std::span<std::byte> to) const {
-    KeptCell::Head head{0, static_cast<std::uint8_t>(faces), static_cast<std::uint8_t>(corners), 0, 0, false, tied};
+void LooseCell::find_tests(std::size_t seed, CornerEdges& edges) {
     std::array<std::uint8_t, CellShape::max_planes> later;
-    for (std::size_t f = 0; f < faces; ++f) {
+    for (std::size_t f = 0; f < faces; ++f)
         later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed) ? 1 : 0;
-        head.shifted |= shift[f] != NearShift{};
-    }
-    // A closed surface has each edge once in either direction.
+    // A closed surface has each edge once in either direction. Which corners and edges count is hard to foretell, so
+    // there are few branches.
     bool closed = corners + 4 == 2 * faces;  // Euler
+    constexpr std::uint8_t unused = 255;
+    std::array<std::uint8_t, CellShape::max_corners + 1> number, order;  // among the used ones
+    used = 0;
     edges.begin();
     for (std::size_t v = 0; v < corners; ++v) {
         const auto [a, b, c] = corner[v];
-        closed &= edges.add(a, b, static_cast<std::uint32_t>(v), c) &&
-                  edges.add(b, c, static_cast<std::uint32_t>(v), a) &&
+        closed &= edges.add(a, b, static_cast<std::uint32_t>(v), c) &
+                  edges.add(b, c, static_cast<std::uint32_t>(v), a) &
                   edges.add(c, a, static_cast<std::uint32_t>(v), b);
+        const unsigned all_later = later[a] & later[b] & later[c];
+        order[used] = static_cast<std::uint8_t>(v);
+        number[v] = all_later != 0 ? static_cast<std::uint8_t>(used) : unused;
+        used += all_later;
     }
-    for (std::size_t v = 0; v < corners; ++v) {
-        const auto [a, b, c] = corner[v];
-        closed &= edges.find(b, a).exists && edges.find(c, b).exists && edges.find(a, c).exists;
-    }
-    head.tied |= !closed;
-    constexpr std::uint8_t unused = 255;
-    std::array<std::uint8_t, CellShape::max_corners> number;  // among the used ones
-    std::array<std::uint8_t, CellShape::max_corners> order;
-    std::fill_n(number.begin(), corners, unused);
-    std::size_t used = 0, tests = 0;
-    const auto use = [&](std::size_t v) {
-        if (number[v] == unused) order[number[v] = static_cast<std::uint8_t>(used++)] = static_cast<std::uint8_t>(v);
-        return number[v];
+    struct Tested {  // an edge: its corners, and their other planes
+        std::uint8_t v, w, end, third;
     };
-    for (std::size_t v = 0; v < corners; ++v)
-        if (const auto& [a, b, c] = corner[v]; (later[a] & later[b] & later[c]) != 0) use(v);
-    std::array<KeptCell::Test, SignTest::max_tests> test;
-    for (std::size_t v = 0; v < corners && !head.tied; ++v) {
+    std::array<Tested, SignTest::max_tests + 1> tested;
+    tests = 0;
+    for (std::size_t v = 0; v < corners; ++v) {
         const KeptCell::Corner& at = corner[v];
-        if (later[at[0]] + later[at[1]] + later[at[2]] < 2) continue;
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint8_t a = at[k], b = at[(k + 1) % 3];
-            if ((later[a] & later[b]) == 0) continue;
+            const std::uint8_t a = at[k], b = at[k == 2 ? 0 : k + 1];
             const auto [exists, w, third] = edges.find(b, a);
-            if (!exists || w < v) continue;
-            // From either end; the corner that is used anyway.
-            const std::uint8_t end = at[(k + 2) % 3];
-            test[tests++] = number[v] == unused && number[w] != unused ? KeptCell::Test{use(w), end}
-                                                                       : KeptCell::Test{use(v), third};
+            closed &= exists;
+            tested[tests] = {static_cast<std::uint8_t>(v), w, at[k == 0 ? 2 : k - 1], third};
+            tests += later[a] & later[b] & (w > v ? 1u : 0u) & (tests < SignTest::max_tests ? 1u : 0u);
         }
     }
-    head.used = static_cast<std::uint8_t>(used);
-    head.tests = static_cast<std::uint8_t>(tests);
+    tied |= !closed;
+    if (tied) tests = 0;
+    // From either end; the corner that is used anyway.
+    std::array<std::uint8_t, CellShape::max_planes> needed;
+    std::fill_n(needed.begin(), faces, std::uint8_t{0});
+    for (std::size_t t = 0; t < tests; ++t) {
+        const auto [v, w, end, third] = tested[t];
+        const bool from_other = number[v] == unused && number[w] != unused;
+        const std::uint8_t from = from_other ? w : v;
+        if (number[from] == unused) {
+            order[used] = from;
+            number[from] = static_cast<std::uint8_t>(used++);
+        }
+        test[t] = {number[from], from_other ? end : third};
+        needed[test[t].plane] = 1;
+    }
+    // The used corners come first.
+    std::array<KeptCell::Corner, CellShape::max_corners> sorted;
+    for (std::size_t v = 0; v < used; ++v) {
+        sorted[v] = corner[order[v]];
+        for (const std::uint8_t f : sorted[v]) needed[f] = 1;
+    }
     for (std::size_t v = 0, next = used; v < corners; ++v)
-        if (number[v] == unused) order[next++] = static_cast<std::uint8_t>(v);
+        if (number[v] == unused) sorted[next++] = corner[v];
+    std::copy_n(sorted.begin(), corners, corner.begin());
+    planes = 0;
+    for (std::size_t f = 0; f < faces; ++f) {
+        plane[planes] = static_cast<std::uint8_t>(f);
+        planes += needed[f];
+    }
+}
 
+std::size_t LooseCell::pack(std::size_t room, std::span<std::byte> to) const {
+    const auto narrow = [](std::size_t n) { return static_cast<std::uint8_t>(n); };
+    KeptCell::Head head{0, narrow(faces), narrow(corners), narrow(used), narrow(tests), narrow(planes), false, tied};
+    for (std::size_t f = 0; f < faces; ++f)
+        if (shift[f] != NearShift{}) head.shifted = true;
     const std::size_t bytes = round_up(KeptCell::bytes(head), 8);
     head.room = static_cast<std::uint16_t>(std::max(room, bytes) / 8);
     std::byte* at = to.data();
@@ -127,8 +163,9 @@ std::size_t LooseCell::pack(std::size_t seed, CornerEdges& edges, std::size_t ro
     put(&head, sizeof head);
     put(id.data(), 4 * faces);
     if (head.shifted) put(shift.data(), 3 * faces);
-    for (std::size_t v = 0; v < corners; ++v) put(&corner[order[v]], sizeof(KeptCell::Corner));
-    put(test.data(), 2 * tests);
+    put(corner.data(), sizeof(KeptCell::Corner) * corners);
+    put(test.data(), sizeof(KeptCell::Test) * tests);
+    put(plane.data(), planes);
     return bytes;
 }
 

@@ -48,24 +48,36 @@ private:
 
 struct LooseCell {
     static constexpr std::size_t max_bytes =
-        sizeof(KeptCell::Head) + 7 * CellShape::max_planes + 3 * CellShape::max_corners + 2 * SignTest::max_tests + 8;
+        sizeof(KeptCell::Head) + 8 * CellShape::max_planes + 3 * CellShape::max_corners + 2 * SignTest::max_tests + 8;
 
-    std::size_t faces = 0, corners = 0;
+    std::size_t faces = 0, corners = 0, used = 0, tests = 0, planes = 0;
     bool tied = false;
     std::array<std::int32_t, CellShape::max_planes> id;  // in the order of the row, as the other arrays
     std::array<NearShift, CellShape::max_planes> shift;
     std::array<KeptCell::Corner, CellShape::max_corners> corner;
+    // What the cell tests, see KeptCell; pack() finds it.
+    std::array<KeptCell::Test, SignTest::max_tests> test;
+    std::array<std::uint8_t, CellShape::max_planes + 1> plane;
 
     void read(const KeptCell& cell);
     // Returns the face, or `faces`.
     [[nodiscard]] std::size_t find(std::int32_t of, const NearShift& by) const;
     void insert_face(std::size_t at, std::int32_t of, const NearShift& by);
-    void remove_face(std::size_t at);
+    // Returns false if some corner is in the face.
+    [[nodiscard]] bool remove_face(std::size_t at);
+    template <class Number>
+    void renumber(const Number& number);
     // Puts the faces in the order of a row. order: of sorted seeds in rows.
     void sort_faces(std::span<const std::int32_t> order);
-    // Writes a record and returns its size, a multiple of 8. seed: of the cell; a sign belongs to the lowest seed
-    // around it. A cell whose corners do not join to a closed surface becomes tied. room: least bytes of the storage.
-    std::size_t pack(std::size_t seed, CornerEdges& edges, std::size_t room, std::span<std::byte> to) const;
+    // Finds the signs of a seed's cell; each belongs to the lowest seed around it. A cell whose corners do not join to a
+    // closed surface becomes tied.
+    void find_tests(std::size_t seed, CornerEdges& edges);
+    // Writes a record and returns its size, a multiple of 8. room: least bytes of the storage.
+    std::size_t pack(std::size_t room, std::span<std::byte> to) const;
+    std::size_t pack(std::size_t seed, CornerEdges& edges, std::size_t room, std::span<std::byte> to) {
+        find_tests(seed, edges);
+        return pack(room, to);
+    }
 };
 
 }  // namespace votess::cpu

@@ -1,6 +1,7 @@
 #include "follow/match_seeds.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -17,7 +18,8 @@ constexpr double near_share = 256;  // a point is near a seed if all others are 
 
 class SeedFinder {
 public:
-    explicit SeedFinder(const KeptSeeds& before) : before_(before), seed_of_(before.rows.size()) {
+    explicit SeedFinder(const KeptSeeds& before)
+        : before_(before), seed_of_(before.rows.size()), table_(std::bit_ceil(2 * seed_of_.size()), -1) {
         const std::size_t count = seed_of_.size();
         boxes_ = static_cast<std::size_t>(std::cbrt(static_cast<double>(count) / seeds_per_box)) + 1;
         Place upper;
@@ -36,6 +38,8 @@ public:
         for (std::size_t s = 0; s < count; ++s) {
             const double* const x = before.frame.places[s].x;
             some_[box({x[0], x[1], x[2]})] = static_cast<std::int32_t>(s);
+            std::int32_t& same = seed_at({x[0], x[1], x[2]});
+            if (same < 0) same = static_cast<std::int32_t>(s);
         }
     }
 
@@ -43,7 +47,7 @@ public:
         std::size_t seed;
         double away, other;  // squares of the distances of this seed and of the nearest other one that was met
 
-        [[nodiscard]] bool is_near() const { return near_share * away <= other; }
+        [[nodiscard]] bool is_near() const { return near_share * away < other; }  // `nothing` is not
     };
     // Looks among the seeds of rows from `row` on.
     [[nodiscard]] Found in_rows(std::size_t row, const Place& x) const {
@@ -51,6 +55,11 @@ public:
         for (std::size_t r = row; r < std::min(row + next_rows, seed_of_.size()); ++r)
             meet(static_cast<std::size_t>(seed_of_[r]), x, found);
         return found;
+    }
+    // Looks for a seed at the place: a walk may miss those whose cells lie beside them.
+    [[nodiscard]] Found at(const Place& x) {
+        const std::int32_t seed = seed_at(x);
+        return seed < 0 ? nothing : Found{static_cast<std::size_t>(seed), 0, nothing.other};
     }
     // Walks to nearer cells, from the seed of `from` or one in the box of the place.
     [[nodiscard]] Found from(Found found, const Place& x) const {
@@ -80,6 +89,18 @@ private:
         }
         return at;
     }
+    // Returns the entry of the seed at a place, -1 if there is none.
+    [[nodiscard]] std::int32_t& seed_at(const Place& x) {
+        std::uint64_t hash = 0;
+        for (const double along : x)
+            hash = (std::rotl(hash, 29) ^ std::bit_cast<std::uint64_t>(along)) * 0x9e3779b97f4a7c15ull;
+        for (std::size_t at = hash >> 32;; ++at) {
+            std::int32_t& seed = table_[at & (table_.size() - 1)];
+            if (seed < 0) return seed;
+            const double* const place = before_.frame.places[seed].x;
+            if (std::equal(x.begin(), x.end(), place)) return seed;
+        }
+    }
     void meet(std::size_t seed, const Place& x, Found& found) const {
         const SeedPlace& place = before_.frame.places[seed];
         const auto [a, b, c] = nearest_way(before_.frame, place.x, x.data());
@@ -92,6 +113,7 @@ private:
 
     const KeptSeeds& before_;
     std::vector<std::int32_t> seed_of_;  // by row
+    std::vector<std::int32_t> table_;    // seeds by hashes of their places; open addressing
     std::size_t boxes_ = 1;              // of a grid, along each axis
     Place lower_, per_length_;
     std::vector<std::int32_t> some_;  // seed of each box; the first where there is none
@@ -101,12 +123,14 @@ private:
 
 std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t count,
                                         const std::function<Place(std::size_t row)>& now) {
-    const SeedFinder finder(before);
+    SeedFinder finder(before);
     const std::size_t sample = std::min(count, max_tried);
     std::size_t near = 0, same = 0;
     for (std::size_t k = 0; k < sample; ++k) {
         const std::size_t row = k * count / sample;
-        const SeedFinder::Found found = finder.from(SeedFinder::nothing, now(row));
+        const Place x = now(row);
+        SeedFinder::Found found = finder.at(x);
+        if (!found.is_near()) found = finder.from(found, x);
         near += found.is_near() ? 1 : 0;
         same += static_cast<std::size_t>(before.rows[found.seed]) == row ? 1 : 0;
     }
@@ -124,7 +148,8 @@ std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t cou
     std::vector<New> added;
     for (std::size_t row = 0, next = 0; row < count; ++row) {
         const Place x = now(row);
-        SeedFinder::Found found = finder.in_rows(next, x);
+        SeedFinder::Found found = finder.at(x);
+        if (!found.is_near()) found = finder.in_rows(next, x);
         if (!found.is_near()) found = finder.from(found, x);
         next = static_cast<std::size_t>(before.rows[found.seed]) + 1;
         std::int32_t& nearest = point[found.seed];

@@ -25,7 +25,7 @@ struct SignFrame {
     double short_vector[3][3], dual[3][3];
     double slack;          // bound on the error of a difference of coordinates, except its own rounding
     double reach_squared;  // a corner beyond is wrong
-    double point[3];       // see SignTest::may_hold
+    double point[3];       // see KeptCells::covers_once()
     friend bool operator==(const SignFrame&, const SignFrame&) = default;
 };
 
@@ -35,7 +35,7 @@ inline std::array<double, 3> nearest_way(const SignFrame& frame, const double* f
     for (std::size_t k = 0; k < 3; ++k) way[k] = to[k] - from[k];
     for (std::size_t j = 0; j < 3; ++j) {
         const double *const s = frame.short_vector[j], *const d = frame.dual[j];
-        const double turns = std::round(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]);
+        const double turns = std::rint(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]);
         for (std::size_t k = 0; k < 3; ++k) way[k] -= turns * s[k];
     }
     return way;
@@ -44,14 +44,13 @@ inline std::array<double, 3> nearest_way(const SignFrame& frame, const double* f
 // Scratch and outcome. Margins above 0 are right signs.
 struct alignas(64) SignTest {
     static constexpr int max_tests = 3 * CellShape::max_corners / 2;
-    // n.x = d, relative to the seed, as n and -d over a power of two, which is the unit.
+    // Of KeptCell::planes(): n.x = d, relative to the seed, as n and -d times a power of two.
     alignas(32) double plane[CellShape::max_planes][4];
-    double unit[CellShape::max_planes];
+    double scale[CellShape::max_planes];
     alignas(32) double corner[CellShape::max_corners][4];  // in homogeneous numbers
     double corner_margin[CellShape::max_corners];
     double test_margin[max_tests];
-    bool tested = false;    // else there are no margins
-    bool may_hold = false;  // the cell may hold the frame's point
+    bool tested = false;  // else there are no margins
 };
 
 // Returns whether all signs are right: each corner is on the right side of its planes, each edge has its ends in the

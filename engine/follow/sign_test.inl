@@ -49,14 +49,26 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
     const KeptCell::Head& head = cell.head();
     out.tested = false;
     const std::int32_t* const ids = cell.ids().data();
-    const int faces = head.faces;
+    const std::uint8_t *plane = cell.planes().data(), *const last_plane = plane + head.planes;
+    if (plane == last_plane) return out.tested = true;
     const SeedPlace& own = frame.places[seed];
     const Wide at{own.x[0], own.x[1], own.x[2], 0};
     Wide *const planes = reinterpret_cast<Wide*>(out.plane), *const corners = reinterpret_cast<Wide*>(out.corner);
-    double longest = 0, shortest = most * most, size = 0, largest_scale = 0;
-    int walls = 0;
-    for (; walls < faces && ids[walls] < 0;) ++walls;  // they come first
-    for (int f = walls; f < faces; ++f) {
+    double shortest = most * most, size = 0, largest_scale = 0;
+    for (; plane != last_plane && ids[*plane] < 0; ++plane) {  // walls come first
+        const int f = *plane, axis = (-1 - ids[f]) / 2;
+        const bool up = (-1 - ids[f]) % 2 != 0;
+        const double distance = up ? frame.upper[axis] - own.x[axis] : own.x[axis] - frame.lower[axis];
+        if (!(distance > 0)) return false;
+        Wide n{};
+        n[axis] = up ? 1 : -1;
+        n[3] = -distance;
+        size = std::max(size, distance);
+        planes[f] = n;
+        out.scale[f] = 1;
+    }
+    for (; plane != last_plane; ++plane) {
+        const int f = *plane;
         const SeedPlace& other = frame.places[ids[f]];
         Wide n = Wide{other.x[0], other.x[1], other.x[2], 0} - at;
         if (head.shifted) {
@@ -68,9 +80,8 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
                     n += by * Wide{frame.vector[j][0], frame.vector[j][1], frame.vector[j][2], 0};
                 }
         }
-        const Wide square = n * n;
-        const double length2 = square[0] + square[1] + square[2];
-        longest = std::max(longest, length2);
+        const Wide squares = n * n;
+        const double length2 = squares[0] + squares[1] + squares[2];
         shortest = std::min(shortest, length2);
         double d = 0.5 * length2, terms = d;
         if (frame.weighted) {
@@ -80,22 +91,10 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
         }
         n[3] = -d;
         const double scale = inverse_power(length2);
-        out.unit[f] = 1 / scale;
+        out.scale[f] = scale;
         largest_scale = std::max(largest_scale, scale);
         size = std::max(size, terms * scale);
         planes[f] = scale * n;
-    }
-    for (int f = 0; f < walls; ++f) {
-        const int axis = (-1 - ids[f]) / 2;
-        const bool up = (-1 - ids[f]) % 2 != 0;
-        const double distance = up ? frame.upper[axis] - own.x[axis] : own.x[axis] - frame.lower[axis];
-        if (!(distance > 0)) return false;
-        Wide n{};
-        n[axis] = up ? 1 : -1;
-        n[3] = -distance;
-        size = std::max(size, distance);
-        planes[f] = n;
-        out.unit[f] = 1;
     }
     size *= 1 + 8 * u;
     const double slack = frame.slack * largest_scale, error = 2 * u * length + 2 * slack;
@@ -131,20 +130,6 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
         const double margin = -((value[0] + value[1]) + (value[2] + value[3])) - bound;
         out.test_margin[t] = margin;
         wrong += !(margin > 0);
-    }
-    Wide way = Wide{frame.point[0], frame.point[1], frame.point[2], 0} - at;
-    for (int j = 0; j < 3; ++j) {
-        const double *const s = frame.short_vector[j], *const d = frame.dual[j];
-        way -= std::round(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]) * Wide{s[0], s[1], s[2], 0};
-    }
-    const Wide ways = way * way;
-    const double away = std::sqrt(ways[0] + ways[1] + ways[2]);
-    way[3] = 1;
-    const double tolerance = 0x1p-40 * (length * away + size) + 4 * slack * (std::sqrt(longest) + away);
-    out.may_hold = true;
-    for (int f = 0; f < faces && out.may_hold; ++f) {
-        const Wide value = planes[f] * way;
-        out.may_hold = !((value[0] + value[1]) + (value[2] + value[3]) > tolerance);
     }
     out.tested = true;
     return wrong == 0;

@@ -155,6 +155,8 @@ Certificate::Verdict Certificate::prove() {
         for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
             if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
         });
+    if (combine() && sum.polygons == 0 && !result_.vertex_image_of.empty() && !result_.face_offsets.empty())
+        check_images(sum);
     Verdict verdict;
     verdict.proven = combine();
     verdict.tiny_faces = sum.areas.count();
@@ -243,7 +245,7 @@ std::optional<Certificate::Verdict> Certificate::prove_shared() {
         sum.volume += w->volume;
         sum.doubt += w->doubt;
     }
-    if (!shared || names != 0 || !shared_cover_once(sum) || !is_good(sum) || !is_good(*workers_.front())) return {};
+    if (!shared || names != 0 || find_wrong_shift() || !shared_cover_once(sum) || !is_good(sum) || !is_good(*workers_.front())) return {};
     if (std::ranges::find(result_.status, CellStatus::empty) != result_.status.end() &&
         !try_all([&](Worker& w, std::size_t i) {
             if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
@@ -618,10 +620,15 @@ bool Certificate::wrap_polygons(Worker& w, std::size_t i) const {
                                                          static_cast<std::size_t>(offsets.back() - offsets.front())));
 }
 
+// Finds the vertices of all corners.
+bool Certificate::take_vertices(Worker& w, std::size_t i) const {
+    if (!w.has_polygons) return find_vertices(w, i);
+    w.vertices.assign(w.polytope.vertices().begin(), w.polytope.vertices().end());
+    return true;
+}
+
 void Certificate::check_polygons(Worker& w, std::size_t i) {
-    if (w.has_polygons)
-        w.vertices.assign(w.polytope.vertices().begin(), w.polytope.vertices().end());
-    else if (!find_vertices(w, i)) {
+    if (!take_vertices(w, i)) {
         w.fault.note(static_cast<std::int64_t>(i),
                      [&] { return "cell " + std::to_string(i) + " has polygons that are not those of its faces"; });
         return;
@@ -664,8 +671,6 @@ bool Certificate::find_vertices(Worker& w, std::size_t i) const {
         sum += number_of_edge(w.keys[static_cast<std::size_t>(e.left)], from, to) +
                number_of_edge(w.keys[static_cast<std::size_t>(e.right)], to, from);
     }
-    const std::size_t first = static_cast<std::size_t>(result_.face_offsets[rows_.begin(i)]),
-                      last = static_cast<std::size_t>(result_.face_offsets[rows_.end(i)]);
     std::size_t size = 16;
     while (size < 2 * polytope.corners().size()) size *= 2;
     w.found.assign(size, {-1, 0});
@@ -679,7 +684,7 @@ bool Certificate::find_vertices(Worker& w, std::size_t i) const {
         }
         return &w.found[k];
     };
-    if (last - first != 2 * polytope.edges().size()) return false;
+    if (polygons_of(i).size() != 2 * polytope.edges().size()) return false;
     for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
         for (auto c = result_.face_offsets[e]; c < result_.face_offsets[e + 1]; ++c) {
             Worker::Vertex* vertex = find(result_.face_vertices[static_cast<std::size_t>(c)]);
@@ -733,6 +738,84 @@ std::span<const std::int32_t> Certificate::vertices_of(std::size_t i) const {
     const auto begin = static_cast<std::size_t>(result_.cell_vertex_indptr[i]),
                end = static_cast<std::size_t>(result_.cell_vertex_indptr[i + 1]);
     return std::span<const std::int32_t>(result_.cell_vertex_indices).subspan(begin, end - begin);
+}
+
+std::span<const std::int32_t> Certificate::polygons_of(std::size_t i) const {
+    const auto first = static_cast<std::size_t>(result_.face_offsets[rows_.begin(i)]),
+               last = static_cast<std::size_t>(result_.face_offsets[rows_.end(i)]);
+    return std::span<const std::int32_t>(result_.face_vertices).subspan(first, last - first);
+}
+
+// Returns a vertex whose shift is not that from its original, as far as their places tell.
+std::optional<std::size_t> Certificate::find_wrong_shift() const {
+    const std::span<const std::int32_t> images = result_.vertex_image_of;
+    for (std::size_t v = 0; v < images.size(); ++v) {
+        const std::size_t u = at(images[v]);
+        const std::int8_t* const shift = &result_.vertex_shifts[3 * v];
+        if (u == v && (shift[0] | shift[1] | shift[2]) == 0) continue;
+        if (u == v || images[u] != images[v]) return v;
+        if (result_.vertices.empty()) continue;
+        Vector3 way;
+        for (std::size_t k = 0; k < 3; ++k)
+            way[k] = (result_.vertices[3 * v + k] - result_.vertices[3 * u + k]) * job_.scale;
+        const auto turns = planes_.domain().edges.fraction(way);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double expected = planes_.domain().periodic[k] ? turns[k] : 0;
+            if (!(std::abs(expected - shift[k]) < 0.25)) return v;
+        }
+    }
+    return std::nullopt;
+}
+
+// Compares images of vertices with their originals. One of its cells says where a vertex is: all agree, as polygons do.
+void Certificate::check_images(Worker& sum) {
+    const std::span<const std::int32_t> images = result_.vertex_image_of;
+    const auto fault = [&](std::size_t v) {
+        sum.fault.note(-1, [&] {
+            return "vertex " + std::to_string(v) + " is not the image of vertex " + std::to_string(images[v]) +
+                   " that its shift says";
+        });
+    };
+    if (const auto wrong = find_wrong_shift()) return fault(*wrong);
+    std::vector<std::int32_t> number(images.size(), -1), cell(images.size(), -1);
+    std::int32_t originals = 0;
+    for (std::size_t v = 0; v < images.size(); ++v)
+        if (std::int32_t& n = number[at(images[v])]; at(images[v]) != v && n < 0) n = originals++;
+    for (std::size_t i = 0; i < result_.status.size(); ++i)
+        for (const std::int32_t v : polygons_of(i))
+            if (cell[at(v)] < 0) cell[at(v)] = static_cast<std::int32_t>(i);
+    const auto for_corners = [&](const auto& visit) {
+        for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
+            const auto counts = [&](std::int32_t v) {
+                return at(cell[at(v)]) == i && (images[at(v)] != v || number[at(v)] >= 0);
+            };
+            if (std::ranges::none_of(polygons_of(i), counts) || !build(w, i) || !take_vertices(w, i)) return;
+            for (int corner = 0; corner < static_cast<int>(w.vertices.size()); ++corner)
+                if (const std::int32_t v = w.vertices[at(corner)]; counts(v)) visit(w, i, corner, at(v));
+        });
+    };
+    using Seeds = std::array<Name, 4>;
+    std::vector<Seeds> seeds(at(originals));
+    for_corners([&](Worker& w, std::size_t i, int corner, std::size_t v) {
+        if (at(images[v]) != v) return;
+        const auto& [a, b, c] = w.polytope.corners()[at(corner)].planes;
+        seeds[at(number[v])] = {Name{static_cast<std::int32_t>(i), {}}, w.polytope.name(a), w.polytope.name(b),
+                                w.polytope.name(c)};
+    });
+    for_corners([&](Worker& w, std::size_t i, int corner, std::size_t v) {
+        const std::size_t u = at(images[v]);
+        if (u == v) return;
+        for (Name name : seeds[at(number[u])]) {
+            for (std::size_t k = 0; k < 3 && name.id >= 0; ++k) name.shift[k] += result_.vertex_shifts[3 * v + k];
+            const bool is_own = name.id == static_cast<std::int32_t>(i) && is_zero(name.shift);
+            if (cell[u] >= 0 && (is_own || w.polytope.side(corner, name) == 0)) continue;
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "vertex " + std::to_string(v) + " of cell " + std::to_string(i) +
+                       " is not where an image of vertex " + std::to_string(u) + " is";
+            });
+            return;
+        }
+    });
 }
 
 // Compares the places of vertices with the corners.
@@ -917,18 +1000,22 @@ Name Certificate::owner_of(Worker& w, std::size_t i, const Vector3& place) const
 }
 
 // Finds the plane of a live seed that cuts off the most corners of the polytope of seed i, among the owner of a place
-// and its neighbors. Returns how many corners it leaves inside, or nothing if it cuts off none.
-std::optional<std::size_t> Certificate::best_cut(Worker& w, std::size_t i, const Vector3& place, Name& best) const {
+// and its neighbors. Returns how many corners it leaves inside, or nothing if it cuts off none. Without exact signs
+// corners count only where rounded numbers settle it.
+std::optional<std::size_t> Certificate::best_cut(Worker& w, std::size_t i, const Vector3& place, bool exactly,
+                                                 Name& best) const {
     std::optional<std::size_t> fewest;
     const auto consider = [&](const Name& name) {
         const RoundedPlane plane = w.polytope.seen(name);
         if (plane.length == 0 && planes_.weight(static_cast<std::size_t>(name.id)) <= planes_.weight(i)) return;
         std::size_t inside = 0, outside = 0;
-        for (const RowPolytope::Corner& corner : w.polytope.corners()) {
+        for (int v = 0; v < static_cast<int>(w.polytope.corners().size()); ++v) {
+            const RowPolytope::Corner& corner = w.polytope.corners()[at(v)];
             const double along = dot(plane.n, corner.at), slack = plane.d - along,
                          bound = corner.error * plane.length + 0x1p-48 * (std::abs(along) + plane.size);
-            inside += slack > bound ? 1 : 0;
-            outside += slack < -bound ? 1 : 0;
+            const int side = slack > bound ? -1 : slack < -bound ? 1 : exactly ? w.polytope.side(v, name) : 0;
+            inside += side < 0 ? 1 : 0;
+            outside += side > 0 ? 1 : 0;
         }
         if (outside > 0 && inside < fewest.value_or(inside + 1)) fewest = inside, best = name;
     };
@@ -964,8 +1051,12 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
             for (std::size_t k = 0; k < 3 && cuts > 0; ++k)
                 middle[k] += corner.at[k] / static_cast<double>(corners.size());
         Name best{};
-        std::optional<std::size_t> inside = best_cut(w, i, middle, best);
-        for (std::size_t v = 0; v < corners.size() && !inside; ++v) inside = best_cut(w, i, corners[v].at, best);
+        std::optional<std::size_t> inside;
+        for (const bool exactly : {false, true}) {
+            if (!inside) inside = best_cut(w, i, middle, exactly, best);
+            for (std::size_t v = 0; v < corners.size() && !inside; ++v)
+                inside = best_cut(w, i, corners[v].at, exactly, best);
+        }
         if (!inside) break;
         bool excluded = *inside == 0;
         for (int v = 0; v < static_cast<int>(corners.size()) && excluded; ++v) excluded = polytope.side(v, best) >= 0;

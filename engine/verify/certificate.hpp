@@ -34,6 +34,9 @@
 // corner. Otherwise RowPolytope::wrap_polygons() proves each corner by the signs above, and cells with more than three
 // planes at a corner are found from the planes alone.
 //
+// An image of a vertex is a corner where that of its original is, shifted: in exact signs (check_images()), or by its
+// name, which prove_shared() compares with the number of the original.
+//
 // Signs come from a filter, then from exact/. Nothing here knows how the engine found a cell.
 #pragma once
 
@@ -144,6 +147,10 @@ private:
     static void add_areas(Worker& w);
     void check_polygons(Worker& w, std::size_t i);
     [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;
+    [[nodiscard]] bool take_vertices(Worker& w, std::size_t i) const;
+    [[nodiscard]] std::optional<std::size_t> find_wrong_shift() const;
+    void check_images(Worker& sum);
+    [[nodiscard]] std::span<const std::int32_t> polygons_of(std::size_t i) const;
     void add_polygons(Worker& w, std::size_t i) const;
     [[nodiscard]] std::span<const std::int32_t> vertices_of(std::size_t i) const;
     void check_vertices(Worker& w, std::size_t i) const;
@@ -159,7 +166,7 @@ private:
     void check_other(Worker& w, std::size_t i);
     void check_hidden(Worker& w, std::size_t i);
     [[nodiscard]] RowPolytope::Name owner_of(Worker& w, std::size_t i, const Vector3& place) const;
-    [[nodiscard]] std::optional<std::size_t> best_cut(Worker& w, std::size_t i, const Vector3& place,
+    [[nodiscard]] std::optional<std::size_t> best_cut(Worker& w, std::size_t i, const Vector3& place, bool exactly,
                                                       RowPolytope::Name& best) const;
     template <class Visit>
     void for_neighbors(const RowPolytope::Name& of, const Visit& visit) const;

@@ -112,7 +112,7 @@ class VerifyReport:
     passed: bool
     failure: str  #: one line about the first failed check; empty on success
     skipped: Tuple[str, ...]  #: checks without their arrays: "volumes", "symmetry", "euler", "sample"
-    sampled: int = 0  #: cells checked by brute force, up to the failed one
+    sampled: int = 0  #: cells checked by brute force, up to the failed one; a proof needs none
     tiny_faces: Optional[int] = None  #: as in :class:`Stats`, not a failure; None for rows from blocks
     proven: bool = False  #: all neighbors, shifts, and which seeds have cells are proven; no sample was needed
     unproven: str = ""  #: one line on why not all cells are proven; empty when they are, and when a check failed
