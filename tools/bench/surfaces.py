@@ -117,7 +117,7 @@ def compare_cells(arguments):
             ours, theirs = [], []
             for _ in range(arguments.repeats):  # in turns
                 began = time.process_time()
-                cells = vt.surface(points, vertices, triangles, want=want, threads=1)
+                cells = vt.surface(points, (vertices, triangles), want=want, threads=1)
                 ours.append(time.process_time() - began)
                 areas, seconds = geogram.cells(points, vertices, triangles, what)
                 theirs.append(seconds)
@@ -147,7 +147,7 @@ def compare_meshes(arguments):
 
 def remesh(vertices, triangles, count):
     began = time.process_time()
-    mesh = vt.remesh(vertices, triangles, count, threads=1)
+    mesh = vt.remesh((vertices, triangles), count, threads=1)
     return mesh.vertices, mesh.triangles, time.process_time() - began
 
 

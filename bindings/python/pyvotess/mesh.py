@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class Lists:
     """Rows of ids of any length. Row k is ``lists[k]``, a view of ``indices[indptr[k]:indptr[k+1]]``.
 
-    A slice returns a list of rows. Global ids of :mod:`pyvotess.mpi` are int64.
+    A slice returns a list of rows. Ids of :mod:`pyvotess.mpi` and of streams are int64.
     """
 
     def __init__(self, indptr: Int64Array, indices: Int32Array) -> None:

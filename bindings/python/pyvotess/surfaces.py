@@ -12,7 +12,7 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, as_path, as_word, counted
 from ._call import Handle, Progress, raise_on_failure, run
-from ._input import as_array, as_one_each, as_points
+from ._input import as_mesh, as_one_each, as_points
 from ._library import lib
 from .fields.lloyd import _as_mask
 
@@ -159,7 +159,7 @@ class Remesh:
         """Writes vertices and triangles to a file in .obj, whole or not at all.
 
         >>> square, two = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
-        >>> vt.remesh(square, two, 100).save("square.obj")
+        >>> vt.remesh((square, two), 100).save("square.obj")
         """
         from .export.whole_file import whole_file
 
@@ -175,22 +175,9 @@ class Remesh:
         return f"<pyvotess.Remesh: {len(self.vertices)} vertices, {counted(len(self.triangles), 'triangle')}{least}>"
 
 
-def _as_triangles(triangles: Any) -> Int32Array:
-    array = as_array(triangles, "triangles")
-    if array.dtype.kind not in "iu":
-        raise ValueError(f"triangles has dtype {array.dtype}: give whole numbers")
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"triangles has shape {array.shape}: it must be (T, 3)")
-    wrong = np.argwhere((array < -(2**31)) | (array >= 2**31))
-    if len(wrong):
-        raise ValueError(f"triangles[{wrong[0][0]}] has {array[tuple(wrong[0])]}, which is not the index of a vertex")
-    return np.ascontiguousarray(array, np.int32)
-
-
 def surface(
     points: npt.ArrayLike,
-    vertices: npt.ArrayLike,
-    triangles: npt.ArrayLike,
+    mesh: Any,
     *,
     weights: Optional[npt.ArrayLike] = None,
     want: SurfaceWant = "all",
@@ -207,8 +194,8 @@ def surface(
     Parameters
     ----------
     points : (N, 3) array of real numbers. They need not lie on the surface.
-    vertices : (V, 3) array of real numbers.
-    triangles : (T, 3) rows of ``vertices``.
+    mesh : (vertices, triangles), (V, 3) real numbers and (T, 3) rows of these; or a mesh of trimesh, PyVista, meshio or Open3D,
+        or what :func:`remesh` returns.
     weights : (N,) weights of a power diagram, as for :func:`tessellate`.
     want : which arrays to make. ``"areas"``: ``areas`` and ``borders``; ``"nearest"``: also ``centroids``, ``nearest`` and
         ``energies``; ``"polygons"``: also the polygons, ``vertices``, ``pieces`` and ``euler``; ``"all"``: also the rows of
@@ -227,7 +214,7 @@ def surface(
     RuntimeWarning : areas or energies are infinite or all 0 in float64, as for coordinates of 1e200.
 
     >>> square, two = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
-    >>> cells = vt.surface([(0.25, 0.5, 0), (0.75, 0.5, 0)], square, two)
+    >>> cells = vt.surface([(0.25, 0.5, 0), (0.75, 0.5, 0)], (square, two))
     >>> print(cells.areas, cells.lengths)
     [0.5 0.5] [1. 1.]
     """
@@ -238,15 +225,16 @@ def surface(
         threads=as_count(threads, "threads", 32), weights=given, want=level, merge=as_flag(merge, "merge")
     )
     handle = Handle("surface")
-    mesh = _as_mesh(vertices, triangles)
-    run(lib.votess_surface_new, seeds, len(seeds), *mesh, options, handle, options=options, progress=progress)
+    arrays = _as_surface(mesh)
+    run(lib.votess_surface_new, seeds, len(seeds), *arrays, options, handle, options=options, progress=progress)
     return _cells(handle, level)
 
 
-def _as_mesh(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Tuple[Float64Array, int, Int32Array, int]:
-    places = as_points(vertices, "vertices").astype(np.float64, copy=False)
-    rows = _as_triangles(triangles)
-    return places, len(places), rows, len(rows)
+def _as_surface(mesh: Any) -> Tuple[Float64Array, int, Int32Array, int]:
+    vertices, triangles = as_mesh(mesh)
+    if vertices.shape[1] != 3:
+        raise ValueError(f"vertices of mesh have shape {vertices.shape}: a surface lies in space, give (V, 3)")
+    return vertices, len(vertices), triangles, len(triangles)
 
 
 def _cells(handle: Handle, level: int = len(_ARRAYS)) -> SurfaceCells:
@@ -264,8 +252,7 @@ def _cells(handle: Handle, level: int = len(_ARRAYS)) -> SurfaceCells:
 
 def lloyd_on_surface(
     points: npt.ArrayLike,
-    vertices: npt.ArrayLike,
-    triangles: npt.ArrayLike,
+    mesh: Any,
     *,
     steps: int = 100,
     fixed: npt.ArrayLike = (),
@@ -280,7 +267,7 @@ def lloyd_on_surface(
 
     Parameters
     ----------
-    points, vertices, triangles, merge : as for :func:`surface`.
+    points, mesh, merge : as for :func:`surface`.
     steps : maximum number of steps.
     fixed : (N,) bool, or a list of indices: seeds that do not move.
     tolerance : stop when no seed moved farther than this, in units of the mean spacing: the square root of the area for
@@ -289,7 +276,7 @@ def lloyd_on_surface(
     progress : as for :func:`tessellate`, as a fraction of all steps.
 
     >>> square, two = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
-    >>> relaxed = vt.lloyd_on_surface(points, square, two, steps=5)
+    >>> relaxed = vt.lloyd_on_surface(points, (square, two), steps=5)
     >>> bool(relaxed.energies[-1] < relaxed.energies[0])
     True
     """
@@ -302,16 +289,15 @@ def lloyd_on_surface(
         steps=as_count(steps, "steps", 32), merge=as_flag(merge, "merge"),
     )  # fmt: skip
     handle = Handle("surface")
-    mesh = _as_mesh(vertices, triangles)
-    run(lib.votess_surface_lloyd, seeds, len(seeds), *mesh, options, handle, options=options, progress=progress)
+    arrays = _as_surface(mesh)
+    run(lib.votess_surface_lloyd, seeds, len(seeds), *arrays, options, handle, options=options, progress=progress)
     return SurfaceRelaxation(
         energies=handle.array("step_energies"), cells=_cells(handle), **handle.arrays("points", "moved")
     )
 
 
 def remesh(
-    vertices: npt.ArrayLike,
-    triangles: npt.ArrayLike,
+    mesh: Any,
     n: int,
     *,
     steps: int = 16,
@@ -336,7 +322,7 @@ def remesh(
 
     Parameters
     ----------
-    vertices, triangles, merge : as for :func:`surface`.
+    mesh, merge : as for :func:`surface`.
     n : number of vertices, from 1 to 268435456.
     steps : of the relaxation.
     sharp : angle in degrees by which the surface turns at sharp edges, and these at their corners, above 0. 180: keep
@@ -345,7 +331,7 @@ def remesh(
     threads, progress : as for :func:`tessellate`.
 
     >>> square, two = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
-    >>> mesh = vt.remesh(square, two, 100)
+    >>> mesh = vt.remesh((square, two), 100)
     >>> mesh.vertices.shape
     (100, 3)
     """
@@ -359,8 +345,8 @@ def remesh(
         steps=as_count(steps, "steps", 32), merge=as_flag(merge, "merge"),
     )  # fmt: skip
     handle = Handle("surface")
-    mesh = _as_mesh(vertices, triangles)
-    run(lib.votess_surface_remesh, count, *mesh, options, handle, options=options, progress=progress)
+    arrays = _as_surface(mesh)
+    run(lib.votess_surface_remesh, count, *arrays, options, handle, options=options, progress=progress)
     figures = _c_api.RemeshFigures()
     raise_on_failure(lib.votess_surface_figures(handle, figures))
     return Remesh(

@@ -33,7 +33,7 @@ class Packages(unittest.TestCase):
             expected = t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]
             self.assertEqual(faces, [face.tolist() for face in expected])
         grid.points[0] = 7  # the grid owns its points
-        self.assertEqual(vt.tessellate(np.empty((0, 3)), want="faces").to_pyvista().n_cells, 0)
+        self.assertEqual(vt.tessellate(np.empty((0, 3)), want="faces,centroids").to_pyvista().n_cells, 0)
         with self.assertRaisesRegex(ValueError, "'faces' into want"):
             vt.tessellate(uniform(5)).to_pyvista()
 

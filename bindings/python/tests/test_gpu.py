@@ -382,10 +382,10 @@ class OnDevice(unittest.TestCase):
         page = pathlib.Path(PACKAGE_PARENT) / "docs/pages/tensors.md"
         if not page.exists():
             self.skipTest("the pages are not installed")
-        names = {"DEVICE": DEVICE}
+        names = {}
         for code in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
             if "import torch" not in code:
-                exec(code, names)  # noqa: S102
+                exec(code.replace('"auto"', f'"{DEVICE}"'), names)  # noqa: S102
 
     def test_threads(self):
         """Each thread with frames of its own on one device."""

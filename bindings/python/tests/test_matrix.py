@@ -384,7 +384,7 @@ class Outputs:
 
         def take(part):
             for k in range(len(part.status)):
-                rows[part.first + k] = part.neighbors(k).tolist()
+                rows[part.first + k] = part.neighbors[k].tolist()
 
         given = dict(self.given)
         points = self.kind.seeds

@@ -33,8 +33,8 @@ class Stream(unittest.TestCase):
         self.assertGreater(result.blocks, 2)
         self.assertEqual([r.first for r in rows.pieces], [0, *np.cumsum([len(r) for r in rows.pieces])[:-1]])
         np.testing.assert_array_equal(rows.all("indices"), whole.neighbors.indices)
-        np.testing.assert_array_equal(rows.pieces[0].neighbors(5), whole.neighbors[5])
-        np.testing.assert_array_equal(rows.pieces[-1].neighbors(-2 + len(rows.pieces[-1])), whole.neighbors[-2])
+        np.testing.assert_array_equal(rows.pieces[0].neighbors[5], whole.neighbors[5])
+        np.testing.assert_array_equal(rows.pieces[-1].neighbors[-2], whole.neighbors[-2])
         np.testing.assert_array_equal(rows.all("status"), whole.status)
         for name in ("volumes", "centroids", "face_areas"):
             if rows.all(name) is not None:

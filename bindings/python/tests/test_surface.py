@@ -1,5 +1,6 @@
 """surface(), lloyd_on_surface() and remesh(): fractions, the plane, sharp edges, bad input."""
 
+import types
 import unittest
 
 import numpy as np
@@ -73,9 +74,9 @@ class Surface(unittest.TestCase):
         o = Oracle(points, vertices, [tuple(map(int, t)) for t in triangles], weights)
         if not o.parts:
             with self.assertRaisesRegex(ValueError, "surface: its triangles have no area"):
-                vt.surface(points, vertices, triangles, weights=weights)
+                vt.surface(points, (vertices, triangles), weights=weights)
             return
-        c = vt.surface(points, vertices, triangles, weights=weights)
+        c = vt.surface(points, (vertices, triangles), weights=weights)
         total = sum(o.area_of.values())
         self.assertAlmostEqual(c.areas.sum() / total, 1, delta=1e-13)
         np.testing.assert_allclose(c.areas, o.areas, rtol=0, atol=1e-13 * total)
@@ -107,7 +108,7 @@ class Surface(unittest.TestCase):
     def test_plane(self):
         points = np.random.default_rng(1).random((400, 2))
         t = vt.tessellate(points, box=(0, 0, 1, 1), want="volumes,areas,centroids")
-        c = vt.surface(np.c_[points, np.zeros(400)], *SQUARE)
+        c = vt.surface(np.c_[points, np.zeros(400)], SQUARE)
         np.testing.assert_array_equal(c.indices, t.indices)
         np.testing.assert_allclose(c.areas, t.volumes, rtol=1e-11)
         np.testing.assert_allclose(c.lengths, t.face_areas, rtol=0, atol=1e-13)
@@ -128,13 +129,13 @@ class Surface(unittest.TestCase):
         tube = np.concatenate((ring, ring + [0, 0, 1]))
         i, j = np.arange(12), np.roll(np.arange(12), -1)
         triangles = np.concatenate((np.stack((i, j, j + 12), 1), np.stack((i, j + 12, i + 12), 1)))
-        c = vt.surface([(1, 0.1, 0.5), (-1, 0.1, 0.5), (0, 0, 9)], tube, triangles)
+        c = vt.surface([(1, 0.1, 0.5), (-1, 0.1, 0.5), (0, 0, 9)], (tube, triangles))
         self.assertEqual((c.curves.tolist(), c.loops.tolist(), c.faults.tolist()), ([2, 2], [0, 0], [0, 1]))
         self.assertEqual((c.pieces.tolist(), c.euler.tolist()), ([1, 1, 0], [1, 1, 0]))
-        c = vt.surface([(0, 0, 0.5), (0, 0, 1)], *globe(6, 8))
+        c = vt.surface([(0, 0, 0.5), (0, 0, 1)], globe(6, 8))
         self.assertEqual((c.curves.tolist(), c.loops.tolist(), c.euler.tolist()), ([1, 1], [1, 1], [1, 1]))
         # One seed in the middle of a tube has its whole waist: a ring.
-        c = vt.surface([(0, 0, 0.5)], tube, triangles)
+        c = vt.surface([(0, 0, 0.5)], (tube, triangles))
         self.assertEqual((c.pieces.tolist(), c.euler.tolist(), c.faults.tolist()), ([1], [0], [0]))
         np.testing.assert_allclose(c.perimeters, 2 * 24 * np.sin(np.pi / 12), rtol=1e-13)
 
@@ -142,23 +143,23 @@ class Surface(unittest.TestCase):
         vertices, triangles = CUBE
         soup = np.asarray(vertices)[triangles].reshape(-1, 3)
         rows = np.arange(len(soup)).reshape(-1, 3)
-        whole, merged = vt.surface(vertices[:2] * 0.9, vertices, triangles), vt.surface(vertices[:2] * 0.9, soup, rows, merge=True)
+        whole, merged = vt.surface(vertices[:2] * 0.9, (vertices, triangles)), vt.surface(vertices[:2] * 0.9, (soup, rows), merge=True)
         np.testing.assert_array_equal(whole.areas, merged.areas)
         np.testing.assert_array_equal(merged.borders, 0)
-        self.assertGreater(vt.surface(vertices[:2] * 0.9, soup, rows).borders.min(), 0)
+        self.assertGreater(vt.surface(vertices[:2] * 0.9, (soup, rows)).borders.min(), 0)
 
     def test_lloyd(self):
-        relaxed = vt.lloyd_on_surface(sphere(40) * 1.5 + 0.2, *globe(20, 30), steps=20, fixed=[0])
+        relaxed = vt.lloyd_on_surface(sphere(40) * 1.5 + 0.2, globe(20, 30), steps=20, fixed=[0])
         self.assertTrue((np.diff(relaxed.energies) <= 1e-12).all())
         np.testing.assert_array_equal(relaxed.points[0], sphere(40)[0] * 1.5 + 0.2)
         np.testing.assert_allclose(np.linalg.norm(relaxed.points[1:], axis=1), 1, atol=0.03)
         self.assertLess(relaxed.cells.areas[1:].std(), 0.35 * relaxed.cells.areas[1:].mean())
-        early = vt.lloyd_on_surface(sphere(40), *globe(20, 30), steps=50, tolerance=0.05)
+        early = vt.lloyd_on_surface(sphere(40), globe(20, 30), steps=50, tolerance=0.05)
         self.assertLess(len(early.moved), 50)
 
     def test_remesh(self):
         vertices, triangles = CUBE
-        mesh = vt.remesh(vertices, triangles, 300)
+        mesh = vt.remesh((vertices, triangles), 300)
         edges = directed_edges(mesh.triangles)
         self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
         self.assertEqual(len(mesh.cells.faults), 0)
@@ -173,16 +174,24 @@ class Surface(unittest.TestCase):
         self.assertAlmostEqual(mesh.mean_min_angle, mesh.angles.min(axis=1).mean(), places=9)
         self.assertLess(mesh.distance, 0.05)  # about 0: its triangles lie in the faces
         # A plate thinner than its triangles: cells hold both of its sides, which the mesh keeps apart.
-        thin = vt.remesh(vertices * (1, 1, 0.01), triangles, 300, steps=15)
+        thin = vt.remesh((vertices * (1, 1, 0.01), triangles), 300, steps=15)
         edges = directed_edges(thin.triangles)
         self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
         self.assertEqual((thin.border_edges, thin.crowded_edges, len(thin.faults)), (0, 0, 0))
         self.assertLess(len(thin.points), 0.7 * len(thin.vertices))
         # An open square: its border is kept.
-        flat = vt.remesh(*SQUARE, 60, rng_seed=0)
+        flat = vt.remesh(SQUARE, 60, rng_seed=0)
         x = flat.vertices[flat.triangles]
         np.testing.assert_allclose(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2].sum() / 2, 1, rtol=1e-12)
-        np.testing.assert_array_equal(flat.vertices, vt.remesh(*SQUARE, 60, rng_seed=0, threads=1).vertices)
+        np.testing.assert_array_equal(flat.vertices, vt.remesh(SQUARE, 60, rng_seed=0, threads=1).vertices)
+
+    def test_meshes_of_other_packages(self):
+        vertices, triangles = globe(6, 8)
+        remeshed = vt.remesh((vertices, triangles), 30, steps=2)
+        for mesh in (types.SimpleNamespace(vertices=vertices, faces=triangles), types.SimpleNamespace(vertices=vertices, triangles=triangles)):
+            np.testing.assert_array_equal(vt.remesh(mesh, 30, steps=2).vertices, remeshed.vertices)
+            self.assertAlmostEqual(vt.surface(vertices[:3], mesh).areas.sum(), vt.lloyd_on_surface(vertices[:3], mesh, steps=1).cells.areas.sum())
+        self.assertGreater(vt.remesh(remeshed, 20, steps=2).angles.min(), 0)
 
     def test_remesh_is_like_the_surface(self):
         # Bars thinner than the triangles are long: cells go around them, and mix their sides.
@@ -192,7 +201,7 @@ class Surface(unittest.TestCase):
                 if cells == 1:  # a bar
                     surface = surface[0] * (1, 0.01, 1), surface[1]
                 for n in (40, 200):
-                    mesh = vt.remesh(*surface, n, steps=8)
+                    mesh = vt.remesh(surface, n, steps=8)
                     edges = directed_edges(mesh.triangles)
                     case = cells, thickness, n
                     self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}), case)
@@ -210,7 +219,7 @@ class Surface(unittest.TestCase):
     def test_remesh_flips_flat_triangles(self):
         lens, better = globe(8, 12), 0
         for seed in range(10):
-            mesh = vt.remesh(np.asarray(lens[0]) * (1, 0.1, 0.5), lens[1], 70, steps=8, rng_seed=seed)
+            mesh = vt.remesh((np.asarray(lens[0]) * (1, 0.1, 0.5), lens[1]), 70, steps=8, rng_seed=seed)
             edges = directed_edges(mesh.triangles)
             self.assertEqual((len(edges), set(edges)), (len(set(edges)), {(b, a) for a, b in edges}))
             self.assertEqual((len(mesh.triangles), len(mesh.faults)), (2 * len(mesh.vertices) - 4, 0))
@@ -225,12 +234,12 @@ class Surface(unittest.TestCase):
         corners, sides = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
         for n in range(1, 7):
             for seed in range(8):
-                a, b, c = vt.remesh(corners, sides, n, rng_seed=seed).triangles.T
+                a, b, c = vt.remesh((corners, sides), n, rng_seed=seed).triangles.T
                 self.assertFalse(((a == b) | (b == c) | (c == a)).any(), (n, seed))
 
     def test_right_meshes_of_few_points_have_no_faults(self):
         for n in (2, 3, 4):
-            mesh = vt.remesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], n)
+            mesh = vt.remesh(([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), n)
             a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
             self.assertAlmostEqual(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2, 0.5)
             self.assertEqual((len(mesh.faults), mesh.border_edges), (0, len(mesh.vertices)))
@@ -245,10 +254,10 @@ class Surface(unittest.TestCase):
             (rng.random((400, 3)) * [1, 1, 0.1], flat),
             (rng.random((40, 3)) ** 8, flat),
         ):
-            together = vt.surface(points, vertices, triangles)
+            together = vt.surface(points, (vertices, triangles))
             weights = np.zeros(len(points))
             weights[0] = 1e-250
-            each = vt.surface(points, vertices, triangles, weights=weights)
+            each = vt.surface(points, (vertices, triangles), weights=weights)
             total = each.areas.sum()
             np.testing.assert_allclose(together.areas, each.areas, rtol=0, atol=1e-14 * total)
             np.testing.assert_allclose(together.lengths, each.lengths, rtol=0, atol=1e-12)
@@ -259,30 +268,30 @@ class Surface(unittest.TestCase):
 
     def test_want(self):
         points, (vertices, triangles) = sphere(60), globe(8, 12)
-        whole = vt.surface(points, vertices, triangles)
+        whole = vt.surface(points, (vertices, triangles))
         made = 0
         for want in ("areas", "nearest", "polygons", "all"):
-            cells = vt.surface(points, vertices, triangles, want=want)
+            cells = vt.surface(points, (vertices, triangles), want=want)
             self.assertGreater(len(vars(cells)), made)
             made = len(vars(cells))
             for name, array in vars(cells).items():
                 np.testing.assert_array_equal(array, getattr(whole, name), name)
         self.assertEqual(made, len(vt.SurfaceCells.__dataclass_fields__))
-        cells = vt.surface(points, vertices, triangles, want="areas")
+        cells = vt.surface(points, (vertices, triangles), want="areas")
         self.assertIn("60 cells>", repr(cells))
         with self.assertRaisesRegex(AttributeError, "dual was not computed: give want='all' to surface()"):
             cells.dual
 
     def test_remesh_in_any_unit(self):
         vertices, triangles = np.asarray(globe(8, 12)[0], float), globe(8, 12)[1]
-        one = vt.remesh(vertices, triangles, 100, steps=5)
+        one = vt.remesh((vertices, triangles), 100, steps=5)
         seeds = sphere(30)
-        relaxed = vt.lloyd_on_surface(seeds, vertices, triangles, steps=3)
+        relaxed = vt.lloyd_on_surface(seeds, (vertices, triangles), steps=3)
         for unit in (2.0**300, 2.0**-300):
             with self.assertWarnsRegex(RuntimeWarning, "energies of cells are beyond float64"):
-                mesh = vt.remesh(vertices * unit, triangles, 100, steps=5)
+                mesh = vt.remesh((vertices * unit, triangles), 100, steps=5)
             with self.assertWarnsRegex(RuntimeWarning, "energies of cells are beyond float64"):
-                far = vt.lloyd_on_surface(seeds * unit, vertices * unit, triangles, steps=3)
+                far = vt.lloyd_on_surface(seeds * unit, (vertices * unit, triangles), steps=3)
             np.testing.assert_array_equal(far.points, relaxed.points * unit)
             np.testing.assert_array_equal(far.moved, relaxed.moved)
             np.testing.assert_array_equal(mesh.vertices, one.vertices * unit)
@@ -297,12 +306,12 @@ class Surface(unittest.TestCase):
     def test_remesh_keeps_small_parts_or_reports_them(self):
         corners, sides = CUBE
         vertices = np.concatenate((corners, 0.05 * corners + [1.2, 0.3, 0.3]))
-        mesh = vt.remesh(vertices, np.concatenate((sides, np.add(sides, len(corners)))), 200)
+        mesh = vt.remesh((vertices, np.concatenate((sides, np.add(sides, len(corners))))), 200)
         self.assertEqual((len(mesh.faults), mesh.border_edges, mesh.crowded_edges), (0, 0, 0))
         self.assertAlmostEqual(mesh.vertices[mesh.triangles, 0].max(), 1.25)
         ribbon = [(0, 0, 0), (10, 0, 0), (10, 0.1, 0), (0, 0.1, 0)]
         for count in (20, 100):
-            mesh = vt.remesh(ribbon, [(0, 1, 2), (0, 2, 3)], count)
+            mesh = vt.remesh((ribbon, [(0, 1, 2), (0, 2, 3)]), count)
             a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
             area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
             self.assertTrue(area > 0.9 or len(mesh.faults) > 0, (count, area))
@@ -330,7 +339,7 @@ class Surface(unittest.TestCase):
             area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
             for n, seeds in ((kept, 6), (2 * kept, 6), (60, 12)):
                 for rng_seed in range(seeds):
-                    mesh = vt.remesh(given, triangles, n, rng_seed=rng_seed)
+                    mesh = vt.remesh((given, triangles), n, rng_seed=rng_seed)
                     case = kept, n, rng_seed, len(mesh.vertices)
                     if len(mesh.faults) > 0 and n < 60:
                         continue
@@ -341,7 +350,7 @@ class Surface(unittest.TestCase):
                     used = {tuple(x) for x in mesh.vertices[np.unique(mesh.triangles)]}
                     self.assertLessEqual({tuple(x) for x in given[:kept]}, used, case)
         # Too many corners for so few vertices.
-        mesh = vt.remesh(*fan(star * np.cos(turn), star * np.sin(turn))[:2], 3)
+        mesh = vt.remesh(fan(star * np.cos(turn), star * np.sin(turn))[:2], 3)
         self.assertGreater(len(mesh.faults), 0)
 
     def test_remesh_keeps_openings(self):
@@ -352,31 +361,31 @@ class Surface(unittest.TestCase):
         a, b, c, d = at[:-1], np.roll(at, -1, 1)[:-1], np.roll(at, -1, 1)[1:], at[1:]
         triangles = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
         for seed in range(3):
-            mesh = vt.remesh(tube, triangles, 20, rng_seed=seed)
+            mesh = vt.remesh((tube, triangles), 20, rng_seed=seed)
             self.assertTrue(mesh.border_edges >= 6 or len(mesh.faults) > 0, (seed, mesh.border_edges))
 
     def test_bad_input(self):
         points, (vertices, triangles) = np.zeros((1, 3)), SQUARE
         for message, call in (
-            ("points has shape", lambda: vt.surface(np.zeros((1, 2)), vertices, triangles)),
-            ("there are no points", lambda: vt.surface(np.zeros((0, 3)), vertices, triangles)),
-            ("triangles has shape", lambda: vt.surface(points, vertices, [0, 1, 2])),
-            ("triangles has dtype float64: give whole numbers", lambda: vt.surface(points, vertices, np.zeros((1, 3)))),
-            ("surface: triangle 0 names vertex 4", lambda: vt.surface(points, vertices, [(0, 1, 4)])),
-            ("surface: vertex 3: y = nan is not finite", lambda: vt.surface(points, [*vertices[:3], (0, np.nan, 0)], triangles)),
-            (r"^weights\[0\] = inf is not finite", lambda: vt.surface(points, vertices, triangles, weights=[np.inf])),
-            ("weights has shape", lambda: vt.surface(points, vertices, triangles, weights=[1, 2])),
-            ("n is 0", lambda: vt.remesh(vertices, triangles, 0)),
-            ("n is 2147483647: give 1 to 268435456", lambda: vt.remesh(vertices, triangles, 2**31 - 1)),
-            ("sharp is nan", lambda: vt.remesh(vertices, triangles, 5, sharp=np.nan)),
-            ("surface: triangle 0 names vertex 4, but there are 4", lambda: vt.remesh(vertices, [(0, 1, 4)], 5)),
-            ("its triangles have no area", lambda: vt.remesh(vertices, [(0, 1, 1)], 5)),
-            ("tolerance is -1", lambda: vt.lloyd_on_surface(points, vertices, triangles, tolerance=-1)),
+            ("points has shape", lambda: vt.surface(np.zeros((1, 2)), (vertices, triangles))),
+            ("there are no points", lambda: vt.surface(np.zeros((0, 3)), (vertices, triangles))),
+            ("triangles of mesh have shape", lambda: vt.surface(points, (vertices, [0, 1, 2]))),
+            ("triangles of mesh have .* float64: give", lambda: vt.surface(points, (vertices, np.zeros((1, 3))))),
+            ("a surface lies in space", lambda: vt.surface(points, ([(0, 0), (1, 0)], [(0, 1)]))),
+            ("mesh: triangle 0 names vertex 4, but there are 4", lambda: vt.surface(points, (vertices, [(0, 1, 4)]))),
+            ("surface: vertex 3: y = nan is not finite", lambda: vt.surface(points, ([*vertices[:3], (0, np.nan, 0)], triangles))),
+            (r"^weights\[0\] = inf is not finite", lambda: vt.surface(points, (vertices, triangles), weights=[np.inf])),
+            ("weights has shape", lambda: vt.surface(points, (vertices, triangles), weights=[1, 2])),
+            ("n is 0", lambda: vt.remesh((vertices, triangles), 0)),
+            ("n is 2147483647: give 1 to 268435456", lambda: vt.remesh((vertices, triangles), 2**31 - 1)),
+            ("sharp is nan", lambda: vt.remesh((vertices, triangles), 5, sharp=np.nan)),
+            ("its triangles have no area", lambda: vt.remesh((vertices, [(0, 1, 1)]), 5)),
+            ("tolerance is -1", lambda: vt.lloyd_on_surface(points, (vertices, triangles), tolerance=-1)),
         ):
             with self.assertRaisesRegex(ValueError, message):
                 call()
         with self.assertRaises(vt.VotessError):
-            vt.surface(np.random.default_rng(0).random((3000, 3)), *globe(60, 60), progress=lambda fraction: False)
+            vt.surface(np.random.default_rng(0).random((3000, 3)), globe(60, 60), progress=lambda fraction: False)
 
 
 if __name__ == "__main__":

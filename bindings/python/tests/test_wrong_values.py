@@ -153,7 +153,7 @@ def calls():
         "surface": (vt.surface, SURFACE),
         "lloyd_on_surface": (vt.lloyd_on_surface, {**SURFACE, "steps": 1}),
         "remesh": (vt.remesh, {"vertices": CUBE[0], "triangles": CUBE[1], "n": 4, "steps": 0}),
-        "Remesh.save": (vt.remesh(*CUBE, 4, steps=0).save, {"path": "r.obj"}),
+        "Remesh.save": (vt.remesh(CUBE, 4, steps=0).save, {"path": "r.obj"}),
         "transport_cost": (vt.transport_cost, {"tessellation": t}),
         "from_ase": (vt.from_ase, {"atoms": []}),
         "write_frames": (vt.write_frames, {"path": "t.xyz", "frames": []}),

@@ -31,9 +31,9 @@ def to_pyvista(t: SeedCells, columns: Columns) -> Any:
     lengths = np.zeros(len(t), np.int64)
     lengths[full] = np.diff(begin)
     types = np.where(full, kind, 0).astype(np.uint8)
-    grid = pyvista.UnstructuredGrid()
-    if len(t):
-        grid = pyvista.UnstructuredGrid(with_lengths(words, lengths), types, np.array(with_z(mesh.vertices)))
+    if len(t) == 0:  # PyVista refuses arrays without rows
+        return pyvista.UnstructuredGrid()
+    grid = pyvista.UnstructuredGrid(with_lengths(words, lengths), types, np.array(with_z(mesh.vertices)))
     for name, array in data.items():
         grid.cell_data[name] = np.array(array)
     return grid

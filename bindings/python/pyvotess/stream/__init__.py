@@ -19,6 +19,7 @@ from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
 from .._row_arrays import NAMES, RowArrays
 from .._state import ARRAYS
+from ..mesh import Lists
 from ..stats import Stats, VerifyReport, read_report, stats_of
 from .._library import lib
 
@@ -51,13 +52,13 @@ class StreamRows(RowArrays):
         rows = "no rows" if self.indices is None else f"{len(self.indices)} neighbors"
         return f"<pyvotess.StreamRows of {counted(len(self), 'seed')} from {self.first} on: {rows}, {self._listed()}>"
 
-    def neighbors(self, k: int) -> Int64Array:
-        """Returns row k, that of seed ``first + k``."""
+    @property
+    def neighbors(self) -> Lists:
+        """N rows of int64 ids: row k is that of seed ``first + k``."""
         if self.indptr is None or self.indices is None:
             raise ValueError("the rows have no neighbors: put 'neighbors' into want")
-        row = range(len(self))[k]
-        begin, end = self.indptr[row : row + 2] - self.indptr[0]
-        return self.indices[begin:end]
+        indices: Any = self.indices
+        return Lists(self.indptr - self.indptr[0], indices)
 
 
 @dataclass(frozen=True)
