@@ -177,7 +177,7 @@ def _words(kind: str) -> Dict[str, int]:
     return {word.lower(): int(value) for of, word, value in _CONSTANTS if of == kind}
 
 
-WANT_BITS, CHECK_BITS = _words("WANT"), _words("CHECK")
+CHECK_BITS = _words("CHECK")
 DUPLICATES, OUTSIDE, PRECISIONS = _words("DUPLICATES"), _words("OUTSIDE"), _words("PRECISION")
 #: Options whose value is a word.
 WORDS: Dict[str, Dict[str, int]] = {"duplicates": DUPLICATES, "outside": OUTSIDE, "precision": PRECISIONS}
@@ -185,17 +185,6 @@ NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
 GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 TINY_FACES_UNKNOWN = 2**64 - 1
-WantWord = Literal[
-    "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
-]
-#: Names that ``want`` accepts: words, and the arrays in their groups.
-WantName = Literal[
-    WantWord,
-    "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "mesh_areas", "security_radii",
-    "face_counts",
-    "edge_counts", "vertex_counts", "cell_vertices", "cell_vertex_indptr", "cell_vertex_indices", "face_offsets",
-    "face_vertices", "status", "duplicate_of", "ids",
-]  # fmt: skip
 DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop", "keep"]
 RepairWord = Literal["merge"]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 import numpy as np
 
 from . import _c_api
+from ._arrays import WANT_BITS
 from ._arguments import as_count, as_flag, as_number, as_text, as_want, as_word
 from ._call import Handle, raise_on_failure, run
 from ._domain import Domain, as_domain
@@ -46,7 +47,7 @@ def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
     """Returns the words of ``want`` for all arrays that the options imply."""
     implied = ctypes.c_uint32()
     raise_on_failure(lib.votess_options_implied_want(options, implied))
-    return tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
+    return tuple(word for word, bit in WANT_BITS.items() if implied.value & bit)
 
 
 def tessellate_points(

@@ -12,13 +12,12 @@ import numpy as np
 
 from .. import _c_api
 from .._arguments import as_count, as_flag, as_path, counted, require_one_of, shown
-from .._c_api import WantName
+from .._arrays import ARRAYS, WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing, view_of
 from .._domain import DomainLike, as_domain, with_short_forms
 from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
 from .._row_arrays import NAMES, RowArrays
-from .._state import ARRAYS
 from ..stats import Stats, VerifyReport, read_report, stats_of
 from .._library import lib
 
