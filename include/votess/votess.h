@@ -219,19 +219,17 @@ VOTESS_API void votess_result_free(votess_result* result);
 
 VOTESS_API size_t votess_result_size(const votess_result* result);  // N
 // Sets *array to an array of a result, by its name in votess/arrays.h, see votess_array. Orders and units as in
-// Tessellation of votess.hpp. Vectors have two components in the plane. CellStatus is uint8_t, VOTESS_CELL_*. Also
-// "walls" (M, 4), as votess_options.walls.
+// Tessellation of votess.hpp. Vectors have two components in the plane. CellStatus is uint8_t, VOTESS_CELL_*. Also,
+// with three components everywhere:
+//   box (2, 3)     double, lower and upper corner; the bounds of a triclinic box
+//   periodic (3)   uint8_t, 1 for each axis, or edge of a triclinic box, along which the domain repeats
+//   cell (4, 3)    double, origin, a, b and c of a triclinic box; else it is empty
+//   walls (M, 4)   double, as votess_options.walls
 VOTESS_API votess_status votess_result_array(const votess_result* result, const char* name, votess_array* array);
 VOTESS_API int votess_result_in_mesh(const votess_result* result);        // 1 with options.has_mesh, else 0
 VOTESS_API int votess_result_planar(const votess_result* result);         // 1 for cells of the plane, else 0
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
-VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
-// Sets 1 for each axis, or edge of a triclinic box, along which the domain repeats, else 0.
-VOTESS_API votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]);
-// Sets *has_cell to 1 and writes the vectors of a triclinic box; else sets it to 0.
-VOTESS_API votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3],
-                                            double a[3], double b[3], double c[3]);
 VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);
 
 // The dual of the cells, see delaunay() in votess.hpp; result needs faces, and may be freed afterwards.

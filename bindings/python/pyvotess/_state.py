@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import warnings
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._types import Float64Array, Int32Array, Int64Array
-
-_Vector = ctypes.c_double * 3
 
 
 @dataclass(frozen=True)
@@ -52,30 +49,21 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
     planar = bool(lib.votess_result_planar(result))
     size = 2 if planar else 3  # of vectors
 
-    def flat(vectors: Any) -> Float64Array:
-        return _constant(np.array(vectors)[..., :size])
-
-    axes = (ctypes.c_int32 * 3)()
-    raise_on_failure(lib.votess_result_periodic(result, axes))
+    box, periodic, edges, walls = (result.array(name) for name in ("box", "periodic", "cell", "walls"))
     arrays = {}
     for name, of in TABLE.items():
         if of.group and of.group not in wanted:
             continue
         array = result.array(name)
         # Where a periodic result has no entries, shifts are empty too.
-        if not of.optional or len(array) or (name == "shifts" and any(axes)):
+        if not of.optional or len(array) or (name == "shifts" and periodic.any()):
             arrays[name] = array
-    lower, upper = _Vector(), _Vector()
-    raise_on_failure(lib.votess_result_box(result, lower, upper))
-    has_cell, vectors = ctypes.c_int32(), [_Vector() for _ in range(4)]
-    raise_on_failure(lib.votess_result_cell(result, has_cell, *vectors))
-    walls = result.array("walls")
     return ResultData(
         arrays=arrays,
-        box=flat((lower, upper)),
-        periodic=tuple(bool(axis) for axis in axes[:size]),
-        origin=flat(vectors[0]) if has_cell.value else None,
-        cell=flat(vectors[1 : size + 1]) if has_cell.value else None,
+        box=_constant(box[:, :size]),
+        periodic=tuple(bool(axis) for axis in periodic[:size]),
+        origin=_constant(edges[0, :size]) if len(edges) else None,
+        cell=_constant(edges[1 : size + 1, :size]) if len(edges) else None,
         walls=_constant(walls[:, [0, 1, 3]]) if planar else walls,
         planar=planar,
         lists_walls=bool(lib.votess_result_lists_walls(result)),

@@ -161,7 +161,7 @@ class Loading(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "name is 'volume': the arrays of result are indices, .*, indptr, .*, walls$"):
             handle.array("volume")
         listed = str(self.error_of(lambda: handle.array("x"))).rsplit(" are ", 1)[1].split(", ")
-        self.assertEqual(set(listed), {*_arrays.TABLE, "walls"})
+        self.assertEqual(set(listed), {*_arrays.TABLE, "box", "periodic", "cell", "walls"})
 
     @staticmethod
     def error_of(call):

@@ -121,14 +121,6 @@ def _all_or_none(comm: Any) -> Iterator[None]:
             raise ValueError(f"rank {rank}: {text}") from failure
 
 
-def _box(result: Handle, dimensions: int) -> Float64Array:
-    corners = np.empty((2, 3))
-    raise_on_failure(_lib.votess_mpi_box(result, corners[0], corners[1]))
-    corners = np.ascontiguousarray(corners[:, :dimensions])
-    corners.flags.writeable = False
-    return corners
-
-
 def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool, dimensions: int) -> MpiTessellation:
     arrays: Dict[str, Any] = {name: result.array(name) for name in _ARRAYS}
     for word, bit in WANT_BITS.items():
@@ -148,7 +140,7 @@ def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool, d
     c_counts = _library.MpiCounts()
     raise_on_failure(_lib.votess_mpi_read_counts(result, c_counts))
     counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})
-    box = _box(result, dimensions) if in_box else None
+    box = result.array("box")[:, :dimensions] if in_box else None
     return MpiTessellation(box=box, counts=counts, _result=result, _dimensions=dimensions, **arrays)
 
 
