@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-def new_options(**given: Any) -> _c_api.Options:
+def new_options(**given: Any) -> Any:
     """Returns the library's defaults with the given values."""
     options = _c_api.Options()
     raise_on_failure(lib.votess_options_init(options, ctypes.sizeof(options)))
@@ -27,7 +27,7 @@ def new_options(**given: Any) -> _c_api.Options:
     return options
 
 
-def set_options(options: _c_api.Options, given: Dict[str, Any]) -> None:
+def set_options(options: _c_api.Struct, given: Dict[str, Any]) -> None:
     """Sets ``want`` and the options that are one flag, number, word or text, by name."""
     types: Dict[str, Any] = {field[0]: field[1] for field in _c_api.Options._fields_}
     for name, value in given.items():
@@ -43,7 +43,7 @@ def set_options(options: _c_api.Options, given: Dict[str, Any]) -> None:
             setattr(options, name, (as_number if types[name] is ctypes.c_double else as_flag)(value, name))
 
 
-def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
+def implied_words(options: _c_api.Struct) -> Tuple[str, ...]:
     """Returns the words of ``want`` for all arrays that the options imply."""
     implied = ctypes.c_uint32()
     raise_on_failure(lib.votess_options_implied_want(options, implied))
@@ -51,7 +51,7 @@ def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
 
 
 def tessellate_points(
-    tessellator: Optional[Handle], options: _c_api.Options, given: Dict[str, Any]
+    tessellator: Optional[Handle], options: _c_api.Struct, given: Dict[str, Any]
 ) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], Domain]:
     """Runs with the arguments of ``tessellate()`` by name, those of its Tessellator set in ``options``.
 

@@ -211,7 +211,7 @@ def tessellate_stream(
     source.expect(implied_words(options))
     counts, c_stats = _c_api.StreamCounts(), _c_api.Stats()
     stream = _c_api.Stream(verify=checks, hull=given.is_hull, memory=bytes_of_run, temporary=folder)
-    types = dict(_c_api.Stream._fields_)  # type: ignore[arg-type]
+    types = dict(_c_api.Stream._fields_)
     with showing(progress) as show:
         with Callbacks() as callbacks:
             options.progress = callbacks.progress(show)
