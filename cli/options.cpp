@@ -9,37 +9,22 @@ using votess::Options;
 
 namespace {
 
-// Returns the groups of arrays as "neighbors (indptr, indices, shifts), volumes, ...".
-std::string names_of_arrays() {
-    std::string text;
-    for (const votess::GroupInfo& group : votess::array_groups) {
-        std::string arrays;
-        votess::for_all_arrays([&](const auto& array) {
-            if (array.word == group.word) arrays.append(arrays.empty() ? "" : ", ").append(array.name);
-        });
-        text.append(text.empty() ? "" : ", ").append(group.name);
-        if (arrays != group.name) text.append(" (" + arrays + ")");
-    }
-    return text;
-}
-
-std::string in_lines(const std::string& text) {
-    constexpr std::size_t longest = 75;
-    std::string lines;
-    std::size_t length = 0;
-    for (const std::string_view word : split(text, ' ')) {
-        const bool fits = length == 0 || length + 1 + word.size() <= longest;
-        lines.append(lines.empty() ? "" : fits ? " " : "\n").append(word);
-        length = fits ? length + (length > 0 ? 1 : 0) + word.size() : word.size();
-    }
-    return lines;
-}
-
+// The groups of arrays, a line each.
 const std::string& text_of_want() {
-    static const std::string text = in_lines(
-        "arrays to write, such as face_areas,security_radii, or groups of them: " + names_of_arrays() +
-        ". An array brings its group. Default neighbors,volumes; an output that needs more adds it. Polygons (faces, "
-        "%a %A %e %E %o %t, .vtu, .ply, .obj) add --list-walls");
+    static const std::string text = [] {
+        std::string lines = "arrays to write, such as face_areas,security_radii, or groups of them:";
+        for (const votess::GroupInfo& group : votess::array_groups) {
+            std::string arrays;
+            votess::for_all_arrays([&](const auto& array) {
+                if (array.word == group.word) arrays.append(arrays.empty() ? "" : ", ").append(array.name);
+            });
+            lines.append("\n").append(group.name).append(": ").append(arrays);
+        }
+        return lines + R"(
+An array brings its group. Default neighbors,volumes; an output that needs
+more adds it. Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add
+--list-walls)";
+    }();
     return text;
 }
 
