@@ -1,10 +1,34 @@
 #include "options.hpp"
 
 #include <algorithm>
+#include <votess/row_arrays.hpp>
 
 namespace clvotess {
 
 using votess::Options;
+
+namespace {
+
+// The groups of arrays, a line each.
+const std::string& text_of_want() {
+    static const std::string text = [] {
+        std::string lines = "arrays to write, such as face_areas,security_radii, or groups of them:";
+        for (const votess::GroupInfo& group : votess::array_groups) {
+            std::string arrays;
+            votess::for_all_arrays([&](const auto& array) {
+                if (array.word == group.word) arrays.append(arrays.empty() ? "" : ", ").append(array.name);
+            });
+            lines.append("\n").append(group.name).append(": ").append(arrays);
+        }
+        return lines + R"(
+An array brings its group. Default neighbors,volumes; an output that needs
+more adds it. Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add
+--list-walls)";
+    }();
+    return text;
+}
+
+}  // namespace
 
 const std::vector<Option>& option_table() {
     static const std::vector<Option> table{
@@ -307,13 +331,7 @@ corners counterclockwise; %z %a %A %e %E %o and %t are refused.
 Numbers have the fewest digits that read back as the same float64)",
          {.brief = "rows of text with the codes of Voro++, such as \"%i %q %v %n\"", .needs = Needs::cells}},
         {"--want LIST",
-         R"(arrays to write, such as face_areas,security_radii, or groups of them:
-neighbors (indptr, indices, shifts), volumes, centroids, counts (of faces,
-edges, vertices), areas (face_areas), normals (face_normals), surfaces
-(surface_areas), radii (security_radii), vertices (vertices,
-cell_vertex_*), faces (face_offsets, face_vertices). An array brings its
-group. Default neighbors,volumes; an output that needs more adds it.
-Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add --list-walls)",
+         text_of_want(),
          {.brief = "arrays to write: neighbors,volumes (default), face_areas, faces, ...", .needs = Needs::cells}},
         {"--list-walls",
          R"(list walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax

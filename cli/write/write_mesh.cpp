@@ -5,15 +5,18 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <exception>
 #include <numeric>
 #include <string>
+#include <type_traits>
 #include <vector>
 #include <votess/pieces.hpp>
 
 #include "failure.hpp"
 #include "files/output_file.hpp"
 #include "words.hpp"
+#include "write/columns.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -223,8 +226,7 @@ void write_vtu_of_pieces(OutputFile& file, const OutputData& data) {
 }  // namespace
 
 bool is_vtu_array(std::string_view name) {
-    constexpr std::array<std::string_view, 5> names{"id", "volume", "neighbors", "centroid", "status"};
-    return std::ranges::find(names, name) != names.end();
+    return name == "id" || name == "neighbors" || name == "status" || is_column(name);
 }
 
 void write_vtu(OutputFile& file, const OutputData& data) {
@@ -235,16 +237,23 @@ void write_vtu(OutputFile& file, const OutputData& data) {
     for (std::size_t i = 0; i < cells.size(); ++i)
         neighbors.push_back(static_cast<std::int32_t>(
             std::ranges::count_if(cells.neighbors(i), [](std::int32_t j) { return j >= 0; })));
-    std::span<const double> centroids = cells.centroids();
-    std::vector<double> in_space;  // VTK's vectors have three components
-    if (cells.planar()) {
-        in_space.resize(3 * cells.size());
-        for (std::size_t k = 0; k < centroids.size(); ++k) in_space[k / 2 * 3 + k % 2] = centroids[k];
-        centroids = in_space;
-    }
-    std::vector<votess_column> columns{column<std::int64_t>("id", 'i', ids), column("volume", 'f', cells.volumes()),
-                                       column<std::int32_t>("neighbors", 'i', neighbors),
-                                       column("centroid", 'f', centroids, 3), column("status", 'u', cells.status())};
+    std::vector<votess_column> columns{column<std::int64_t>("id", 'i', ids)};
+    std::deque<std::vector<double>> in_space;  // VTK's vectors have three components
+    for_columns(cells, data.wanted, [&](const auto& array, const auto& values) {
+        using Number = typename std::remove_cvref_t<decltype(values)>::value_type;
+        if constexpr (std::is_same_v<Number, double>) {
+            if (cells.planar() && array.components == 3) {
+                std::vector<double>& vectors = in_space.emplace_back(3 * cells.size());
+                for (std::size_t k = 0; k < values.size(); ++k) vectors[k / 2 * 3 + k % 2] = values[k];
+                return columns.push_back(column<double>(array.column.data(), 'f', vectors, 3));
+            }
+        }
+        const char kind = std::is_floating_point_v<Number> ? 'f' : 'u';
+        columns.push_back(column<Number>(array.column.data(), kind, values, array.components));
+    });
+    // Volumes and centroids are always wanted here, see add_output_needs().
+    columns.insert(columns.begin() + 2, column<std::int32_t>("neighbors", 'i', neighbors));
+    columns.insert(columns.begin() + 4, column("status", 'u', cells.status()));
     for (const InputColumn& carried : data.carried)
         columns.push_back(
             column<double>(carried.name.c_str(), carried.of_integers ? 'i' : 'f', carried.values, carried.width));

@@ -9,6 +9,7 @@
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
 #include "in_order.hpp"
+#include "write/columns.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -27,9 +28,14 @@ using Table = std::vector<TableColumn>;
 // Faces of 3, 4, 5, 6, and of 7 or more edges.
 constexpr std::size_t index_parts = 5;
 
-TableColumn of_numbers(std::string name, std::span<const double> values, std::size_t width = 1) {
-    return {std::move(name), 'R', width, [=](OutputBuffer& row, std::size_t i, char between) {
-                row.put_vector(values.subspan(width * i, width), between);
+template <class Number>
+TableColumn of_numbers(std::string name, std::span<const Number> values, std::size_t width = 1) {
+    constexpr char type = std::is_floating_point_v<Number> ? 'R' : 'I';
+    return {std::move(name), type, width, [=](OutputBuffer& row, std::size_t i, char between) {
+                for (std::size_t k = 0; k < width; ++k) {
+                    if (k > 0) row.put(between);
+                    row.put_number(values[width * i + k]);
+                }
             }};
 }
 
@@ -116,23 +122,27 @@ Table results_of(const OutputData& data) {
     const votess::Want& wanted = data.wanted;
     Table table;
     const bool planar = cells.planar();
-    if (wanted.volumes) table.push_back(of_numbers(planar ? "area" : "volume", cells.volumes()));
+    for_columns(cells, wanted, [&](const auto& array, const auto& values) {
+        const std::string name(planar && array.column == "volume"         ? "area"
+                               : planar && array.column == "surface_area" ? "perimeter"
+                                                                          : array.column);
+        if (array.name != "centroids") return table.push_back(of_numbers(name, values, components_of(array, planar)));
+        const auto centroids = std::make_shared<const std::vector<double>>(centroids_of(data));
+        table.push_back(of_numbers(name, std::span(*centroids), size_of_vectors(cells)));
+        table.back().owner = centroids;
+    });
+    Table of_rows;
     if (wanted.neighbors)
-        table.push_back({"neighbors", 'I', 1,
-                         [&cells](OutputBuffer& row, std::size_t i, char) { row.put_number(neighbors_of(cells, i)); }});
+        of_rows.push_back({"neighbors", 'I', 1, [&cells](OutputBuffer& row, std::size_t i, char) {
+                               row.put_number(neighbors_of(cells, i));
+                           }});
     // Faces that reach infinity have no number of edges, so no cell of such a domain has an index.
     const auto reaches_infinity = [](double bound) { return std::isinf(bound); };
     const bool endless = std::ranges::any_of(cells.box().lower, reaches_infinity) ||
                          std::ranges::any_of(cells.box().upper, reaches_infinity);
-    if (wanted.faces && !planar && !endless) table.push_back(voronoi_index_of(cells));
-    if (wanted.centroids) {
-        const auto centroids = std::make_shared<const std::vector<double>>(centroids_of(data));
-        table.push_back(of_numbers("centroid", *centroids, size_of_vectors(cells)));
-        table.back().owner = centroids;
-    }
-    if (wanted.surfaces) table.push_back(of_numbers(planar ? "perimeter" : "surface_area", cells.surface_areas()));
-    if (wanted.surfaces && cells.in_mesh()) table.push_back(of_numbers("mesh_area", cells.mesh_areas()));
-    if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
+    if (wanted.faces && !planar && !endless) of_rows.push_back(voronoi_index_of(cells));
+    const auto after_volumes = table.begin() + (wanted.volumes ? 1 : 0);
+    table.insert(after_volumes, std::make_move_iterator(of_rows.begin()), std::make_move_iterator(of_rows.end()));
     if (data.has_radii) table.push_back(of_numbers("radius", data.radii));
     return table;
 }
@@ -145,7 +155,7 @@ void add_carried(const OutputData& data, Table& table) {
         const bool named = column.name == "species" && (has("element") || has("type"));
         if (named || has(column.name)) continue;  // the radius, or the species of the seeds
         table.push_back(column.of_integers     ? of_integers(column)
-                        : column.words.empty() ? of_numbers(column.name, column.values, column.width)
+                        : column.words.empty() ? of_numbers(column.name, std::span(column.values), column.width)
                                                : words(column.name, column.words));
     }
 }
@@ -356,18 +366,11 @@ void write_csv(OutputFile& file, const OutputData& data) {
 }
 
 bool is_table_column(std::string_view name, bool planar) {
-    constexpr std::array<std::string_view, 18> names{"id",        "x",
-                                                     "y",         "z",
-                                                     "pos",       "volume",
-                                                     "neighbors", "voronoi_index",
-                                                     "centroid",  "surface_area",
-                                                     "mesh_area", "security_radius",
-                                                     "frame",     "n3",
-                                                     "n4",        "n5",
-                                                     "n6",        "n7"};
+    constexpr std::array<std::string_view, 13> names{"id",    "x",  "y",  "z",  "pos", "neighbors", "voronoi_index",
+                                                     "frame", "n3", "n4", "n5", "n6",  "n7"};
     if (name.starts_with("c_")) name.remove_prefix(2);  // in a dump
     if (planar && (name == "area" || name == "perimeter")) return true;
-    return std::ranges::find(names, name) != names.end();
+    return is_column(name) || std::ranges::find(names, name) != names.end();
 }
 
 }  // namespace clvotess

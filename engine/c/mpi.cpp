@@ -75,29 +75,21 @@ void votess_mpi_free(votess_mpi_result* result) {
 votess_status votess_mpi_array(const votess_mpi_result* result, const char* name, votess_array* array) {
     return expose(result, "result", name, array, [](const votess_mpi_result& of) {
         const Result& r = of.result;
-        std::vector<NamedArray> arrays{named("ids", r.ids),
-                                       named("points", r.points, dimensions_of(r.options)),
-                                       named("indptr", r.cells.indptr),
-                                       named("owners", r.cells.owners),
-                                       named("send_indptr", r.send_indptr),
-                                       named("send", r.send),
-                                       named("receive_indptr", r.receive_indptr),
-                                       named("receive", r.receive)};
+        const auto& box = r.options.box;
+        std::vector<NamedArray> arrays{
+            named("ids", r.ids),
+            named("points", r.points, dimensions_of(r.options)),
+            named("indptr", r.cells.indptr),
+            named("owners", r.cells.owners),
+            named("send_indptr", r.send_indptr),
+            named("send", r.send),
+            named("receive_indptr", r.receive_indptr),
+            named("receive", r.receive),
+            named("box", std::span<const double>(box ? box->lower.data() : nullptr, box ? 6 : 0), 3)};
         votess::for_row_arrays([&](const auto& row, std::size_t) {
             arrays.push_back(named(row.name.data(), row.of(r.cells), components_of(row, r.options.planar)));
         });
         return arrays;
-    });
-}
-
-votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]) {
-    return guarded(result, "result", [&](auto& of) {
-        require(lower, "lower");
-        require(upper, "upper");
-        const auto& box = of.result.options.box;
-        if (!box) refuse("the domain is a triclinic box, which has no lower and upper corner: read the options");
-        std::ranges::copy(box->lower, lower);
-        std::ranges::copy(box->upper, upper);
     });
 }
 

@@ -5,6 +5,7 @@
 
 #include "c/handles.hpp"
 #include "input/each_option.hpp"
+#include "votess/row_arrays.hpp"
 
 namespace votess::c {
 namespace {
@@ -17,26 +18,14 @@ static_assert(same(VOTESS_OUTSIDE_KEEP, Outside::keep));
 static_assert(same(VOTESS_PRECISION_SINGLE, Precision::single));
 static_assert(same(VOTESS_PRECISION_DOUBLE, Precision::double_));
 
-struct WantBit {
-    std::uint32_t bit;
-    bool Want::*member;
-};
-constexpr WantBit want_bits[] = {
-    {VOTESS_WANT_NEIGHBORS, &Want::neighbors}, {VOTESS_WANT_VOLUMES, &Want::volumes},
-    {VOTESS_WANT_CENTROIDS, &Want::centroids}, {VOTESS_WANT_COUNTS, &Want::counts},
-    {VOTESS_WANT_AREAS, &Want::areas},         {VOTESS_WANT_NORMALS, &Want::normals},
-    {VOTESS_WANT_SURFACES, &Want::surfaces},   {VOTESS_WANT_RADII, &Want::radii},
-    {VOTESS_WANT_VERTICES, &Want::vertices},   {VOTESS_WANT_FACES, &Want::faces},
-};
-
 // The first version of the struct ends here. Fields added later follow.
 constexpr std::size_t first_options_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
 static_assert(sizeof(votess_options) >= first_options_size && sizeof(votess_options) <= VOTESS_LARGEST_STRUCT);
 
 std::uint32_t bits_of(const Want& want) {
     std::uint32_t bits = 0;
-    for (const WantBit& word : want_bits)
-        if (want.*word.member) bits |= word.bit;
+    for (const GroupInfo& group : array_groups)
+        if (want.*group.word) bits |= group.bit;
     return bits;
 }
 
@@ -104,13 +93,13 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
 
 Want convert_want(std::uint32_t bits, const std::string& name) {
     std::uint32_t unknown = bits;
-    for (const WantBit& word : want_bits) unknown &= ~word.bit;
+    for (const GroupInfo& group : array_groups) unknown &= ~group.bit;
     if (unknown != 0) {
         refuse(name + " is " + std::to_string(bits) + ": its bits " + std::to_string(unknown) +
                " are unknown, combine VOTESS_WANT_* bits");
     }
     Want want;
-    for (const WantBit& word : want_bits) want.*word.member = (bits & word.bit) != 0;
+    for (const GroupInfo& group : array_groups) want.*group.word = (bits & group.bit) != 0;
     return want;
 }
 

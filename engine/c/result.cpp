@@ -1,8 +1,6 @@
 // Arrays, domain and statistics of a result.
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 #include "c/handles.hpp"
 #include "result/arrays.hpp"
@@ -16,7 +14,8 @@ namespace {
 constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
 static_assert(sizeof(votess_stats) >= first_stats_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
 // Exposed as they lie in memory.
-static_assert(sizeof(votess::Wall) == 4 * sizeof(double));
+static_assert(sizeof(votess::Wall) == 4 * sizeof(double) && sizeof(votess::Box) == 6 * sizeof(double));
+static_assert(offsetof(votess::TriclinicBox, c) == 9 * sizeof(double));
 
 static_assert(same(VOTESS_CELL_CERTIFIED, votess::CellStatus::certified));
 static_assert(same(VOTESS_CELL_NEEDS_EXACT, votess::CellStatus::needs_exact));
@@ -46,8 +45,13 @@ votess_status votess_result_array(const votess_result* result, const char* name,
             arrays.push_back(
                 named(row.name.data(), row.of(votess::detail::result_of(t)), components_of(row, t.planar())));
         });
-        const std::span<const double> walls(reinterpret_cast<const double*>(t.walls().data()), 4 * t.walls().size());
-        arrays.push_back(named("walls", walls, 4));
+        arrays.push_back(named("box", std::span<const double>(t.box().lower.data(), 6), 3));
+        arrays.push_back(named("periodic", t.periodic()));
+        arrays.push_back(
+            named("cell", std::span<const double>(t.cell() ? t.cell()->origin.data() : nullptr, t.cell() ? 12 : 0), 3));
+        arrays.push_back(
+            named("walls",
+                  std::span<const double>(reinterpret_cast<const double*>(t.walls().data()), 4 * t.walls().size()), 4));
         return arrays;
     });
 }
@@ -68,39 +72,6 @@ int votess_result_lists_walls(const votess_result* result) {
 double votess_result_least_face(const votess_result* result) {
     return value_of<double>(result, "result is NULL",
                             [](const votess_result& of) { return of.tessellation.least_face(); });
-}
-
-votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]) {
-    return guarded(result, "result", [&](auto& of) {
-        require(lower, "lower");
-        require(upper, "upper");
-        const votess::Box& box = of.tessellation.box();
-        std::copy(box.lower.begin(), box.lower.end(), lower);
-        std::copy(box.upper.begin(), box.upper.end(), upper);
-    });
-}
-
-votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]) {
-    return guarded(result, "result", [&](auto& of) {
-        require(periodic, "periodic");
-        for (std::size_t k = 0; k < 3; ++k) periodic[k] = of.tessellation.periodic()[k] ? 1 : 0;
-    });
-}
-
-votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3], double a[3],
-                                 double b[3], double c[3]) {
-    return guarded(result, "result", [&](auto& of) {
-        require(has_cell, "has_cell");
-        const std::pair<double*, const char*> vectors[] = {{origin, "origin"}, {a, "a"}, {b, "b"}, {c, "c"}};
-        for (const auto& [vector, name] : vectors) require(vector, name);
-        const auto& cell = of.tessellation.cell();
-        *has_cell = cell ? 1 : 0;
-        if (!cell) return;
-        std::ranges::copy(cell->origin, origin);
-        std::ranges::copy(cell->a, a);
-        std::ranges::copy(cell->b, b);
-        std::ranges::copy(cell->c, c);
-    });
 }
 
 void votess::c::check_stats(const votess_stats& out) {

@@ -2,6 +2,7 @@
 // of the run are copies with other seeds, another region or other wants.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,7 +11,7 @@
 #include <vector>
 
 #include "input/region.hpp"
-#include "votess/votess.hpp"
+#include "votess/row_arrays.hpp"
 
 namespace votess {
 
@@ -72,9 +73,14 @@ inline void imply(Wanted& wanted) {
     wanted.list_walls |= wanted.want.faces;
 }
 
-// Whether lists, volumes, centroids, counts and areas are not enough: whole polytopes are needed.
+// Returns whether arrays are wanted that are not in `known`.
+inline bool exceeds(const Want& want, const Want& known) {
+    return std::ranges::any_of(array_groups,
+                               [&](const GroupInfo& group) { return want.*group.word && !(known.*group.word); });
+}
+// Whether whole polytopes are needed.
 inline bool needs_polytopes(const Want& want) {
-    return want.vertices || want.normals || want.surfaces || want.radii;
+    return exceeds(want, {.centroids = true, .counts = true, .areas = true});
 }
 
 // Whether coordinates of vertices are needed.

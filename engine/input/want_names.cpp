@@ -13,29 +13,20 @@
 namespace votess {
 namespace {
 
-struct Name {
-    std::string_view name;
-    bool Want::*word;  // null: in every result
-};
-
-constexpr std::array words{Name{"neighbors", &Want::neighbors}, Name{"volumes", &Want::volumes},
-                           Name{"centroids", &Want::centroids}, Name{"counts", &Want::counts},
-                           Name{"areas", &Want::areas},         Name{"normals", &Want::normals},
-                           Name{"surfaces", &Want::surfaces},   Name{"radii", &Want::radii},
-                           Name{"vertices", &Want::vertices},   Name{"faces", &Want::faces}};
 // Returns the arrays whose name is not that of their group. Weights are input, which nobody wants.
-std::vector<Name> named_arrays() {
-    std::vector<Name> arrays{{"cell_vertices", &Want::vertices}};
+std::vector<GroupInfo> named_arrays() {
+    std::vector<GroupInfo> arrays{{"cell_vertices", &Want::vertices, 0}};
     for_all_arrays([&](const auto& array) {
-        if (array.name != "weights" && std::ranges::find(words, array.name, &Name::name) == words.end())
-            arrays.push_back({array.name, array.word});
+        if (array.name != "weights" &&
+            std::ranges::find(array_groups, array.name, &GroupInfo::name) == std::end(array_groups))
+            arrays.push_back({array.name, array.word, 0});
     });
     return arrays;
 }
 
 std::string list(const auto& names) {
     std::string text;
-    for (const Name& name : names) text += (text.empty() ? "" : ", ") + std::string(name.name);
+    for (const GroupInfo& name : names) text += (text.empty() ? "" : ", ") + std::string(name.name);
     return text;
 }
 
@@ -46,26 +37,26 @@ std::string_view without_blanks(std::string_view text) {
 }
 
 // Returns a question for the first name that begins with the text, as volumes does with volume; or nothing.
-std::string guess(std::string_view text, std::span<const Name> arrays) {
+std::string guess(std::string_view text, std::span<const GroupInfo> arrays) {
     constexpr std::size_t shortest = 3;
     if (text.size() < shortest) return {};
-    for (const std::span<const Name> names : {std::span<const Name>(words), arrays})
-        for (const Name& name : names)
+    for (const std::span<const GroupInfo> names : {std::span<const GroupInfo>(array_groups), arrays})
+        for (const GroupInfo& name : names)
             if (name.name.starts_with(text)) return "did you mean " + std::string(name.name) + "? Else ";
     return {};
 }
 
 void add(std::string_view text, Want& want) {
     const auto find = [&](const auto& names) {
-        const auto found = std::ranges::find(names, text, &Name::name);
-        return found == names.end() ? nullptr : &*found;
+        const auto found = std::ranges::find(names, text, &GroupInfo::name);
+        return found == std::end(names) ? nullptr : &*found;
     };
-    const std::vector<Name> arrays = named_arrays();
-    const Name* name = find(words);
+    const std::vector<GroupInfo> arrays = named_arrays();
+    const GroupInfo* name = find(array_groups);
     if (name == nullptr) name = find(arrays);
     if (name == nullptr)
         refuse("Options::want has " + in_quotes(std::string(text)) + ": " + guess(text, arrays) + "give groups of " +
-               list(words) + ", or arrays of " + list(arrays));
+               list(array_groups) + ", or arrays of " + list(arrays));
     if (name->word != nullptr) want.*name->word = true;
 }
 

@@ -24,10 +24,10 @@ namespace votess::detail {
 
 // Those that a Tessellation does not show.
 inline constexpr std::tuple inner_arrays{
-    VOTESS_ARRAY(vertex_image_of, Per::vertex, 1, &Want::vertices),
-    VOTESS_ARRAY(vertex_shifts, Per::vertex, 3, &Want::vertices),
-    VOTESS_ARRAY(dropped_offsets, Per::other, 1, &Want::faces),
-    VOTESS_ARRAY(dropped_vertices, Per::other, 1, &Want::faces),
+    VOTESS_ARRAY(vertex_image_of, Per::vertex, 1, &Want::vertices, ""),
+    VOTESS_ARRAY(vertex_shifts, Per::vertex, 3, &Want::vertices, ""),
+    VOTESS_ARRAY(dropped_offsets, Per::other, 1, &Want::faces, ""),
+    VOTESS_ARRAY(dropped_vertices, Per::other, 1, &Want::faces, ""),
 };
 #undef VOTESS_ARRAY
 

@@ -51,14 +51,11 @@ struct Result : RowArrays<Buffer, std::int32_t> {
     Buffer<std::int32_t> dropped_vertices;
     // Seeds of positive turn, if the diagram of all of space has only one vertex: its polygons leave the turn open.
     std::optional<std::array<std::int32_t, 4>> lone_tetrahedron;
-    Buffer<double> mesh_areas, vertices;
-    Buffer<std::int64_t> face_offsets, cell_vertex_indptr;
-    Buffer<std::int32_t> face_vertices, cell_vertex_indices;
     // In periodic domains, of each vertex: the first one that it is an image of, and the box vectors from there.
     Buffer<std::int32_t> vertex_image_of;
     Buffer<std::int8_t> vertex_shifts;
-    Buffer<std::int32_t> ids;  // of the rows, in a subset
-    Buffer<double> weights;    // in a power diagram
+#define VOTESS_OTHER_ARRAY(name, type, ...) Buffer<type> name;
+#include "votess/arrays.h"
     Stats stats;
 };
 

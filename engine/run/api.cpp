@@ -40,33 +40,15 @@ std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexc
         .subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
 }
 // A member of the result, under the same name.
-#define VOTESS_MEMBER(name, ...)                      \
-    __VA_ARGS__ Tessellation::name() const noexcept { \
-        return detail::result_of(*this).name;         \
+#define VOTESS_MEMBER(name, ...)                            \
+    auto Tessellation::name() const noexcept->__VA_ARGS__ { \
+        return detail::result_of(*this).name;               \
     }
-VOTESS_MEMBER(indptr, std::span<const std::int64_t>)
-VOTESS_MEMBER(indices, std::span<const std::int32_t>)
-VOTESS_MEMBER(face_areas, std::span<const double>)
-VOTESS_MEMBER(volumes, std::span<const double>)
-VOTESS_MEMBER(centroids, std::span<const double>)
-VOTESS_MEMBER(face_counts, std::span<const std::uint32_t>)
-VOTESS_MEMBER(edge_counts, std::span<const std::uint32_t>)
-VOTESS_MEMBER(vertex_counts, std::span<const std::uint32_t>)
-VOTESS_MEMBER(face_normals, std::span<const double>)
-VOTESS_MEMBER(shifts, std::span<const std::int8_t>)
-VOTESS_MEMBER(surface_areas, std::span<const double>)
-VOTESS_MEMBER(mesh_areas, std::span<const double>)
-VOTESS_MEMBER(security_radii, std::span<const double>)
-VOTESS_MEMBER(vertices, std::span<const double>)
-VOTESS_MEMBER(face_offsets, std::span<const std::int64_t>)
-VOTESS_MEMBER(face_vertices, std::span<const std::int32_t>)
-VOTESS_MEMBER(cell_vertex_indptr, std::span<const std::int64_t>)
-VOTESS_MEMBER(cell_vertex_indices, std::span<const std::int32_t>)
-VOTESS_MEMBER(status, std::span<const CellStatus>)
-VOTESS_MEMBER(duplicate_of, std::span<const std::int32_t>)
+#define VOTESS_ROW_ARRAY(name, type, ...) VOTESS_MEMBER(name, std::span<const type>)
+#define VOTESS_ROW_STARTS(name, type, ...) VOTESS_MEMBER(name, std::span<const type>)
+#define VOTESS_OTHER_ARRAY(name, type, ...) VOTESS_MEMBER(name, std::span<const type>)
+#include "votess/arrays.h"
 VOTESS_MEMBER(walls, std::span<const Wall>)
-VOTESS_MEMBER(weights, std::span<const double>)
-VOTESS_MEMBER(ids, std::span<const std::int32_t>)
 VOTESS_MEMBER(least_face, double)
 VOTESS_MEMBER(box, const Box&)
 VOTESS_MEMBER(periodic, const std::array<bool, 3>&)

@@ -42,7 +42,7 @@ void check_options(const Options& options) {
               "= double: frames hold float32, use tessellate() or leave it out");
     refuse_if(!options.weights.empty(), "weights", "are given: frames have a range, and each run its weights");
     refuse_if(!options.radii.empty(), "radii", "are given: frames have a range of weights, the squares of radii");
-    refuse_if(want.counts || want.normals || want.surfaces || want.radii || want.vertices || want.faces, "want",
+    refuse_if(exceeds(want, {.centroids = true, .areas = true}), "want",
               "has more than neighbors, volumes, centroids and areas, which frames make");
     if (options.cell) return;
     refuse_if(!options.box, "box", "is missing: frames need a box, or Options::cell, that all of them share");

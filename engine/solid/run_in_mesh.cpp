@@ -641,7 +641,10 @@ void check_want(const Want& want) {
     if (want.vertices || want.faces || want.counts)
         refuse("the parts of cells have no vertices, faces and counts: leave these out of " + option("want") +
                ", use pieces()");
-    if (want.radii) refuse("the parts of cells have no security radii: leave these out of " + option("want"));
+    if (exceeds(want, {.centroids = true, .areas = true, .normals = true, .surfaces = true}))
+        refuse(
+            "the parts of cells have volumes, centroids, areas, normals and surfaces: leave the other groups out of " +
+            option("want"));
 }
 
 double volume_in(const ClosedMesh& mesh, const Region& region) {

@@ -46,12 +46,10 @@ VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 //   int64_t   ids (N), indptr (N + 1), indices (indptr[N]), send_indptr (R + 1), send, receive_indptr (R + 1), receive
 //   int64_t   duplicate_of (N), where seeds are equal
 //   int32_t   owners (indptr[N]), ranks
-//   double    points (N, d), with VOTESS_MPI_MADE
+//   double    points (N, d), with VOTESS_MPI_MADE; box (2, 3), as given or assumed, empty for a triclinic one
 // and, with the names and types of votess_result_array, shifts, status, and those (N) and (indptr[N]) that options.want
 // can ask for.
 VOTESS_API votess_status votess_mpi_array(const votess_mpi_result* result, const char* name, votess_array* array);
-// Writes the box that was given or assumed. Fails for a triclinic one.
-VOTESS_API votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]);
 VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* counts);
 // Checks a result, see verify() in mpi.hpp. Collective. points: the 3 * count coordinates that were handed in; NULL and
 // 0 for VOTESS_MPI_MADE. The other arguments are those of votess_verify, except that no cell is proven.

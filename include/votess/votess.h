@@ -49,16 +49,10 @@ typedef enum votess_cell_status {
 } votess_cell_status;
 
 // Bits of votess_options.want; see Want in votess.hpp.
-#define VOTESS_WANT_NEIGHBORS 1u
-#define VOTESS_WANT_VOLUMES 2u
-#define VOTESS_WANT_CENTROIDS 4u
-#define VOTESS_WANT_COUNTS 8u
-#define VOTESS_WANT_AREAS 16u      // adds neighbors
-#define VOTESS_WANT_NORMALS 32u    // adds neighbors
-#define VOTESS_WANT_SURFACES 64u   // surface_areas; in a mesh also mesh_areas
-#define VOTESS_WANT_RADII 128u     // security_radii
-#define VOTESS_WANT_VERTICES 256u  // vertices, cell_vertex_*; adds neighbors
-#define VOTESS_WANT_FACES 512u     // face_offsets, face_vertices; adds vertices, neighbors, and walls in the rows
+enum {
+#define VOTESS_GROUP(name, NAME, bit, value) VOTESS_WANT_##NAME = bit,
+#include "votess/arrays.h"
+};
 
 // Checks that votess_verify can skip; see VerifyReport::skipped in votess.hpp.
 #define VOTESS_CHECK_VOLUMES 1u
@@ -224,28 +218,18 @@ VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, 
 VOTESS_API void votess_result_free(votess_result* result);
 
 VOTESS_API size_t votess_result_size(const votess_result* result);  // N
-// Sets *array to an array of a result, see votess_array. N: seeds. d: 2 in the plane, else 3. Orders and units as in
-// Tessellation of votess.hpp.
-//   int64_t   indptr (N + 1), cell_vertex_indptr (N + 1), face_offsets (indptr[N] + 1)
-//   int32_t   indices (indptr[N]), cell_vertex_indices (cell_vertex_indptr[N]), face_vertices (face_offsets[indptr[N]])
-//   int8_t    shifts (indptr[N], d), in a periodic domain
-//   double    volumes, surface_areas, security_radii (N), centroids (N, d); mesh_areas (N), with options.has_mesh
-//   double    face_areas (indptr[N]), face_normals (indptr[N], d), vertices (V, d)
-//   uint32_t  face_counts, edge_counts, vertex_counts (N)
-//   uint8_t   status (N), VOTESS_CELL_*
-//   int32_t   duplicate_of (N), where seeds are equal; ids (N), with options.has_only
-//   double    weights (one for each point), of a power diagram; walls (M, 4), as votess_options.walls
+// Sets *array to an array of a result, by its name in votess/arrays.h, see votess_array. Orders and units as in
+// Tessellation of votess.hpp. Vectors have two components in the plane. CellStatus is uint8_t, VOTESS_CELL_*. Also,
+// with three components everywhere:
+//   box (2, 3)     double, lower and upper corner; the bounds of a triclinic box
+//   periodic (3)   uint8_t, 1 for each axis, or edge of a triclinic box, along which the domain repeats
+//   cell (4, 3)    double, origin, a, b and c of a triclinic box; else it is empty
+//   walls (M, 4)   double, as votess_options.walls
 VOTESS_API votess_status votess_result_array(const votess_result* result, const char* name, votess_array* array);
 VOTESS_API int votess_result_in_mesh(const votess_result* result);        // 1 with options.has_mesh, else 0
 VOTESS_API int votess_result_planar(const votess_result* result);         // 1 for cells of the plane, else 0
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
-VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
-// Sets 1 for each axis, or edge of a triclinic box, along which the domain repeats, else 0.
-VOTESS_API votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]);
-// Sets *has_cell to 1 and writes the vectors of a triclinic box; else sets it to 0.
-VOTESS_API votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3],
-                                            double a[3], double b[3], double c[3]);
 VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);
 
 // The dual of the cells, see delaunay() in votess.hpp; result needs faces, and may be freed afterwards.

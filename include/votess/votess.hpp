@@ -153,16 +153,8 @@ enum class Precision : std::int32_t {
 
 // Which arrays to compute and store. A flag also requests the arrays after "adds".
 struct Want {
-    bool neighbors = true;   // indptr, indices
-    bool volumes = true;     // volumes
-    bool centroids = false;  // centroids
-    bool counts = false;     // face_counts, edge_counts, vertex_counts
-    bool areas = false;      // face_areas; adds neighbors
-    bool normals = false;    // face_normals; adds neighbors
-    bool surfaces = false;   // surface_areas; in a mesh also mesh_areas
-    bool radii = false;      // security_radii
-    bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices; adds neighbors
-    bool faces = false;      // face_offsets, face_vertices; adds vertices, neighbors, and walls in the rows
+#define VOTESS_GROUP(name, NAME, bit, value) bool name = value;
+#include "votess/arrays.h"
 };
 // Returns the Want of a list of names with commas between them. A name is a field of Want or one of its arrays, as in
 // "face_areas,volumes"; an array requests its whole field. Throws invalid_argument for an unknown or empty name.
@@ -348,55 +340,25 @@ public:
     [[nodiscard]] std::size_t size() const noexcept;  // N
     // Row i: ids of the neighbors of seed i, ascending; walls come first, being negative.
     [[nodiscard]] std::span<const std::int32_t> neighbors(std::size_t i) const noexcept;
-    [[nodiscard]] std::span<const std::int64_t> indptr() const noexcept;   // N+1, CSR row starts, indptr[0] = 0
-    [[nodiscard]] std::span<const std::int32_t> indices() const noexcept;  // indptr[N], CSR columns
-    // indptr[N] areas of the faces behind the entries of indices, length unit squared. Faces on walls only when the
-    // rows list walls. The absolute error is at most 1e-10 of the cell's surface (1e-5 with stats().precision single).
-    // So a face that is too small to measure may have area 0.
-    [[nodiscard]] std::span<const double> face_areas() const noexcept;
-    // 3 indptr[N]: unit normals of the faces behind the entries of indices, outward.
-    [[nodiscard]] std::span<const double> face_normals() const noexcept;
-    // 3 indptr[N] in a periodic domain, else empty: the numbers of box vectors (sx, sy, sz) that carry the neighbor to
-    // where it touches. Both seeds count from where they lie inside the box. Rows are ordered by id, then shift.
-    [[nodiscard]] std::span<const std::int8_t> shifts() const noexcept;
-    [[nodiscard]] std::span<const double> volumes() const noexcept;               // N, length unit cubed
-    [[nodiscard]] std::span<const double> centroids() const noexcept;             // 3N, x y z absolute; NaN when empty
-    [[nodiscard]] std::span<const std::uint32_t> face_counts() const noexcept;    // N, walls included
-    [[nodiscard]] std::span<const std::uint32_t> edge_counts() const noexcept;    // N
-    [[nodiscard]] std::span<const std::uint32_t> vertex_counts() const noexcept;  // N
-    [[nodiscard]] std::span<const double> surface_areas() const noexcept;  // N, length unit squared, walls included
-    // N in a mesh, with Want::surfaces, else empty: area of the mesh's surface in each cell, length unit squared.
-    [[nodiscard]] std::span<const double> mesh_areas() const noexcept;
-    // N: twice the distance from the seed to the farthest vertex of its cell; 0 when empty.
-    [[nodiscard]] std::span<const double> security_radii() const noexcept;
-    // The mesh: 3V absolute coordinates of its vertices. Vertices that are equal in exact arithmetic are stored once
-    // and shared by their cells. In a periodic domain cells lie where their seeds do, so each image of a vertex that
-    // some cell has is stored. With Options::only cells share vertices across the faces that they share.
-    [[nodiscard]] std::span<const double> vertices() const noexcept;
-    // indptr[N]+1 offsets into face_vertices, which has face_offsets[indptr[N]] elements: the polygon of each entry of
-    // indices, counterclockwise seen from outside the cell; -1 at infinity, see Options::box.
-    [[nodiscard]] std::span<const std::int64_t> face_offsets() const noexcept;
-    [[nodiscard]] std::span<const std::int32_t> face_vertices() const noexcept;
-    // N+1 offsets into cell_vertex_indices: the vertices of each cell, ascending.
-    [[nodiscard]] std::span<const std::int64_t> cell_vertex_indptr() const noexcept;
-    [[nodiscard]] std::span<const std::int32_t> cell_vertex_indices() const noexcept;
+    using Id = std::int32_t;
+    // The arrays of votess/arrays.h, by name: volumes(), centroids(), indices(), indptr(), face_areas(), ... Vectors
+    // are one after the other, as in x y z x y z. With Options::only cells share vertices across the faces that they
+    // share, and each image of a vertex that some cell has is stored.
+#define VOTESS_ROW_ARRAY(name, type, ...) [[nodiscard]] std::span<const type> name() const noexcept;
+#define VOTESS_ROW_STARTS(name, type, ...) [[nodiscard]] std::span<const type> name() const noexcept;
+#define VOTESS_OTHER_ARRAY(name, type, ...) [[nodiscard]] std::span<const type> name() const noexcept;
+#include "votess/arrays.h"
     // The area below which faces were dropped, see Options::min_face and min_area; 0 when none were.
     [[nodiscard]] double least_face() const noexcept;
-    [[nodiscard]] std::span<const CellStatus> status() const noexcept;  // N
-    // N when the input has duplicates, else empty: index of the seed that keeps the cell, -1 for seeds with a cell.
-    [[nodiscard]] std::span<const std::int32_t> duplicate_of() const noexcept;
     [[nodiscard]] const Box& box() const noexcept;  // the domain that was used; the bounds of a triclinic one
     [[nodiscard]] const std::array<bool, 3>& periodic() const noexcept;
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
     [[nodiscard]] std::span<const Wall> walls() const noexcept;
-    [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
     [[nodiscard]] bool planar() const noexcept;       // whether the cells are polygons, see Options::planar
     [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
     [[nodiscard]] bool probed() const noexcept;       // whether Diagram::probe() made the cells
     [[nodiscard]] bool in_mesh() const noexcept;      // whether Options::mesh was set
     [[nodiscard]] bool is_subset() const noexcept;    // whether Options::only was set
-    // The seeds of the rows if Options::only was set, else empty: row k is the cell of seed ids()[k].
-    [[nodiscard]] std::span<const std::int32_t> ids() const noexcept;
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:

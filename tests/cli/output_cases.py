@@ -6,11 +6,15 @@ import re
 import shutil
 import struct
 import subprocess
+import sys
 import zipfile
 
 import numpy as np
 
 from cli_test import ROOT, CUBE, CUBE_BOX, CUBE_NEIGHBORS, CliTest, random_points, text_of
+
+sys.path.append(str(ROOT / "tools"))
+from arrays import read_table  # noqa: E402
 
 
 class AlphaComplexes(CliTest):
@@ -428,25 +432,50 @@ class ArrayOutput(CliTest):
         self.assertEqual(sum(text, []), indices.tolist())
 
     def test_only_what_is_wanted(self):
-        for want, names in [([], ["indptr", "indices", "volumes", "status"]),
-                            (["--want", "neighbors"], ["indptr", "indices", "status"]),
-                            (["--want", "volumes"], ["volumes", "status"]),
-                            (["--want", "areas"], ["indptr", "indices", "face_areas", "status"]),
-                            (["--want=centroids,volumes"], ["volumes", "centroids", "status"]),
-                            (["--want=counts"], ["face_counts", "edge_counts", "vertex_counts", "status"]),
-                            (["--want=normals"], ["indptr", "indices", "face_normals", "status"]),
-                            (["--want=surfaces,radii"], ["surface_areas", "security_radii", "status"]),
-                            (["--want=vertices"], ["indptr", "indices", "vertices", "cell_vertex_indptr", "cell_vertex_indices",
-                                                   "status"]),
-                            (["--want=face_areas, face_counts"], ["indptr", "indices", "face_areas", "face_counts", "edge_counts",
-                                                                  "vertex_counts", "status"]),
-                            (["--want=surface_areas,security_radii"], ["surface_areas", "security_radii", "status"]),
-                            (["--want=face_offsets"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
-                                                       "cell_vertex_indices", "face_offsets", "face_vertices", "status"]),
-                            (["--want=faces"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
-                                                "cell_vertex_indices", "face_offsets", "face_vertices", "status"])]:
-            self.assertEqual(sorted(self.load("--random", "50", *want)), sorted([*names, "box", "periodic", "version", "domain_from", "periodic_from"]))
-        # Text adds the arrays that it needs.
+        """By the table of arrays: a group, and each of its arrays, brings the group and those that it needs."""
+        needs = {"areas": ["neighbors"], "normals": ["neighbors"], "vertices": ["neighbors"], "faces": ["vertices", "neighbors"]}
+        groups, arrays = read_table()
+
+        def names(*of):
+            return [array.name for array in arrays if not array.optional and array.group in ("", *of)]
+
+        domain = ["box", "periodic", "version", "domain_from", "periodic_from"]
+        self.assertEqual(sorted(self.load("--random", "50")), sorted([*names("neighbors", "volumes"), *domain]))
+        for group, _ in groups:
+            for want in {group, *names(group)}:
+                of = [group, *needs.get(group, ())] if want not in names() else []
+                self.assertEqual(sorted(self.load("--random", "50", "--want", want)), sorted([*names(*of), *domain]), want)
+        self.assertEqual(sorted(self.load("--random", "50", "--want=centroids, volumes")),
+                         sorted([*names("volumes", "centroids"), *domain]))
+
+    def test_every_array(self):
+        """.npz has each array of the table with its type and shape, .csv and .vtu have each that has a column."""
+        groups, table = read_table()
+        count = 300
+        self.run_cli("--random", count, "--want", ",".join(group for group, _ in groups), "-o", "a.npz", "-o", "a.csv", "-o", "a.vtu")
+        with np.load(self.folder / "a.npz") as arrays, open(self.folder / "a.csv") as csv:
+            header = csv.readline().strip().split(",")
+            rows = np.loadtxt(csv, delimiter=",")
+            lengths = {"cell": count, "entry": arrays["indptr"][-1], "vertex": len(arrays["vertices"])}
+            for array in table:
+                if array.optional:
+                    continue
+                values = arrays[array.name]
+                self.assertEqual(values.dtype, np.dtype(array.python_type()[:-5].lower()), array.name)
+                if array.per != "other":
+                    self.assertEqual(values.shape, (lengths[array.per], 3)[: values.ndim], array.name)
+                    self.assertEqual(values.ndim, 2 if array.components > 1 else 1, array.name)
+                self.assertIn(f"`{array.name}`", (ROOT / "bindings/python/docs/pages/files.md").read_text())
+                if array.column:
+                    columns = [f"{array.column}_{axis}" for axis in "xyz"] if array.components > 1 else [array.column]
+                    np.testing.assert_array_equal(rows[:, [header.index(name) for name in columns]].reshape(values.shape), values)
+                    self.assertIn(b'Name="%s"' % array.column.encode(), (self.folder / "a.vtu").read_bytes())
+                    self.refuse("a.csv", "--copy", array.column, "-o", "b.vtu", says="array of that name")
+        whole_help = self.run_cli("--help-all").stdout
+        for array in table:
+            self.assertTrue(array.group == "" or array.name in whole_help, array.name)
+
+    def test_text_adds_what_it_needs(self):
         self.run_cli("--random", "50", "--want", "volumes", "-o", "cells.txt", "--format", "%n %c %w")
         self.assertEqual(len((self.folder / "cells.txt").read_text().splitlines()), 50)
 

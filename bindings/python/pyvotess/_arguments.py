@@ -14,7 +14,7 @@ from ._call import raise_on_failure
 from ._library import lib
 
 if TYPE_CHECKING:
-    from . import _c_api
+    from ._arrays import WantName
 
 
 def counted(count: int, noun: str) -> str:
@@ -130,7 +130,7 @@ def as_path(path: Any, name: str) -> str:
     raise ValueError(f"{name} is {shown(text)}: give the name of a file or folder")
 
 
-def as_want(want: Union[str, Iterable[_c_api.WantName]]) -> int:
+def as_want(want: Union[str, Iterable[WantName]]) -> int:
     """Returns the bits of these words and names of arrays. The library adds the arrays that they imply."""
     names: Any = want
     if not isinstance(names, str):

@@ -7,7 +7,7 @@ import re
 from ctypes import CFUNCTYPE, POINTER, c_char, c_char_p, c_void_p
 from enum import IntEnum
 from pathlib import Path
-from typing import Any, Dict, Iterator, Literal, Tuple, Type, TypeVar
+from typing import Any, Dict, Iterator, Literal, Tuple
 
 import numpy as np
 
@@ -81,7 +81,6 @@ class Struct(ctypes.Structure):
         super().__setattr__(name, value)
 
 
-_S = TypeVar("_S", bound=Type[Struct])
 #: Types of C by name: of numbers, of structs and of callbacks. Other names are those of handles.
 _TYPES: Dict[str, Any] = {
     "votess_status": ctypes.c_int,
@@ -142,17 +141,15 @@ def _fields(text: str) -> Iterator[Tuple[str, Any]]:
                 yield name, kind * int(size) if size else kind
 
 
-def structs_of(text: str) -> Any:
-    """Returns what gives a class the fields of its struct in headers: MeshQuality has those of votess_mesh_quality."""
-    bodies = dict(re.findall(r"typedef struct (\w+) \{(.*?)\n\}", text, re.S))
-
-    def decorate(cls: _S) -> _S:
-        name = "votess" + re.sub("([A-Z])", r"_\1", cls.__name__).lower()
-        cls._fields_ = list(_fields(bodies[name]))
-        _TYPES[name] = cls
-        return cls
-
-    return decorate
+def read_types(text: str) -> Dict[str, Any]:
+    """Returns the structs and callbacks that headers define: MeshQuality is votess_mesh_quality."""
+    found = {}
+    typedef = r"typedef struct (\w+) \{(.*?)\n\} \w+;|typedef (\w+) \(\*(\w+)\)\((.*?)\);"
+    for struct, body, result, callback, given in re.findall(typedef, text, re.S):
+        name = "".join(word.capitalize() for word in (struct or callback).split("_")[1:])
+        found[name] = type(name, (Struct,), {"_fields_": list(_fields(body))}) if struct else _callback(result, given)
+        _TYPES[struct or callback] = found[name]
+    return found
 
 
 def signatures(text: str, **types: Any) -> Dict[str, Tuple[Any, Tuple[Any, ...]]]:
@@ -169,7 +166,6 @@ _TEXT = read_headers("votess.h", "surface.h", "picture.h", "stream.h", "frames.h
 
 
 _CONSTANTS = re.findall(r"\bVOTESS_([A-Z]+)_(\w+) (?:= )?(\d+)", _TEXT)
-_CALLBACKS = {name: (result, given) for result, name, given in re.findall(r"typedef (\w+) \(\*(\w+)\)\((.*?)\);", _TEXT)}
 
 
 def _words(kind: str) -> Dict[str, int]:
@@ -177,7 +173,7 @@ def _words(kind: str) -> Dict[str, int]:
     return {word.lower(): int(value) for of, word, value in _CONSTANTS if of == kind}
 
 
-WANT_BITS, CHECK_BITS = _words("WANT"), _words("CHECK")
+CHECK_BITS = _words("CHECK")
 DUPLICATES, OUTSIDE, PRECISIONS = _words("DUPLICATES"), _words("OUTSIDE"), _words("PRECISION")
 #: Options whose value is a word.
 WORDS: Dict[str, Dict[str, int]] = {"duplicates": DUPLICATES, "outside": OUTSIDE, "precision": PRECISIONS}
@@ -185,17 +181,6 @@ NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
 GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 TINY_FACES_UNKNOWN = 2**64 - 1
-WantWord = Literal[
-    "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
-]
-#: Names that ``want`` accepts: words, and the arrays in their groups.
-WantName = Literal[
-    WantWord,
-    "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "mesh_areas", "security_radii",
-    "face_counts",
-    "edge_counts", "vertex_counts", "cell_vertices", "cell_vertex_indptr", "cell_vertex_indices", "face_offsets",
-    "face_vertices", "status", "duplicate_of", "ids",
-]  # fmt: skip
 DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop", "keep"]
 RepairWord = Literal["merge"]
@@ -205,131 +190,16 @@ BeyondWord = Literal["nan", "nearest"]
 GridWord = Literal["mean", "dtfe", "nearest", "sibson"]
 
 
-def _named_callback(name: str) -> Any:
-    _TYPES[name] = _callback(*_CALLBACKS[name])
-    return _TYPES[name]
-
-
-ProgressCallback = _named_callback("votess_progress_callback")
-LogCallback = _named_callback("votess_log_callback")
-_struct = structs_of(_TEXT)
-
-
-@_struct
-class Options(Struct):
-    """``votess_options``."""
-
-
-@_struct
-class Array(Struct):
-    """``votess_array``."""
-
-
-@_struct
-class Stats(Struct):
-    """``votess_stats``."""
-
-
-@_struct
-class FitOptions(Struct):
-    """``votess_fit_options``."""
-
-
-@_struct
-class FitStats(Struct):
-    """``votess_fit_stats``."""
-
-
-@_struct
-class Column(Struct):
-    """``votess_column``."""
-
-
-@_struct
-class Mesh(Struct):
-    """``votess_mesh``."""
-
-
-@_struct
-class MeshQuality(Struct):
-    """``votess_mesh_quality``."""
-
-
-@_struct
-class Bytes(Struct):
-    """``votess_bytes``."""
-
-
-WriteCallback = _named_callback("votess_write_callback")
-
-
-@_struct
-class SurfaceOptions(Struct):
-    """``votess_surface_options``."""
-
-
-@_struct
-class SurfaceLloydOptions(Struct):
-    """``votess_surface_lloyd_options``."""
-
-
-@_struct
-class RemeshOptions(Struct):
-    """``votess_remesh_options``."""
-
-
-@_struct
-class RemeshFigures(Struct):
-    """``votess_remesh_figures``."""
-
-
-@_struct
-class PieceArrays(Struct):
-    """``votess_piece_arrays``."""
-
-
-@_struct
-class PictureOptions(Struct):
-    """``votess_picture_options``."""
-
-
-@_struct
-class StreamSeeds(Struct):
-    """``votess_stream_seeds``."""
-
-
-@_struct
-class StreamHead(Struct):
-    """``votess_stream_head``."""
-
-
-@_struct
-class StreamRows(Struct):
-    """``votess_stream_rows``."""
-
-
-@_struct
-class Stream(Struct):
-    """``votess_stream``."""
-
-
-@_struct
-class StreamCounts(Struct):
-    """``votess_stream_counts``."""
-
-
-@_struct
-class FramesOptions(Struct):
-    """``votess_frames_options``."""
-
-
-@_struct
-class FramesExport(Struct):
-    """``votess_frames_export``."""
-
-
+_DEFINED = read_types(_TEXT)
 #: Of each function the types of the result and of the arguments, in the order of the headers.
 SIGNATURES = signatures(_TEXT)
+
+
+def __getattr__(name: str) -> Any:
+    """Returns a struct or callback of the headers."""
+    if name not in _DEFINED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _DEFINED[name]
 
 
 def declare(library: ctypes.CDLL, signatures: Dict[str, Tuple[Any, Tuple[Any, ...]]] = SIGNATURES) -> None:

@@ -372,7 +372,7 @@ class Domain:
     def __repr__(self) -> str:
         return f"<pyvotess.Domain: {self._text()}>"
 
-    def _fill(self, options: _c_api.Options, points: Optional[npt.NDArray[Any]]) -> None:
+    def _fill(self, options: _c_api.Struct, points: Optional[npt.NDArray[Any]]) -> None:
         """Sets the domain in the options, whose ``planar`` is set.
 
         ``points``: all of them, None if they come in parts. Then the caller makes the walls of a hull.

@@ -350,7 +350,7 @@ def as_periodic(periodic: Any, dimensions: Optional[int]) -> Union[bool, Tuple[b
     return tuple(flags)
 
 
-def fill_weights(options: _c_api.Options, weights: Any, radii: Any, count: int) -> None:
+def fill_weights(options: _c_api.Struct, weights: Any, radii: Any, count: int) -> None:
     """Sets weights and radii of the points."""
     for name, values in (("weights", weights), ("radii", radii)):
         if values is not None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 import numpy as np
 
 from . import _c_api
+from ._arrays import WANT_BITS
 from ._arguments import as_count, as_flag, as_number, as_text, as_want, as_word
 from ._call import Handle, raise_on_failure, run
 from ._domain import Domain, as_domain
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-def new_options(**given: Any) -> _c_api.Options:
+def new_options(**given: Any) -> Any:
     """Returns the library's defaults with the given values."""
     options = _c_api.Options()
     raise_on_failure(lib.votess_options_init(options, ctypes.sizeof(options)))
@@ -26,7 +27,7 @@ def new_options(**given: Any) -> _c_api.Options:
     return options
 
 
-def set_options(options: _c_api.Options, given: Dict[str, Any]) -> None:
+def set_options(options: _c_api.Struct, given: Dict[str, Any]) -> None:
     """Sets ``want`` and the options that are one flag, number, word or text, by name."""
     types: Dict[str, Any] = {field[0]: field[1] for field in _c_api.Options._fields_}
     for name, value in given.items():
@@ -42,15 +43,15 @@ def set_options(options: _c_api.Options, given: Dict[str, Any]) -> None:
             setattr(options, name, (as_number if types[name] is ctypes.c_double else as_flag)(value, name))
 
 
-def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
+def implied_words(options: _c_api.Struct) -> Tuple[str, ...]:
     """Returns the words of ``want`` for all arrays that the options imply."""
     implied = ctypes.c_uint32()
     raise_on_failure(lib.votess_options_implied_want(options, implied))
-    return tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
+    return tuple(word for word, bit in WANT_BITS.items() if implied.value & bit)
 
 
 def tessellate_points(
-    tessellator: Optional[Handle], options: _c_api.Options, given: Dict[str, Any]
+    tessellator: Optional[Handle], options: _c_api.Struct, given: Dict[str, Any]
 ) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], Domain]:
     """Runs with the arguments of ``tessellate()`` by name, those of its Tessellator set in ``options``.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import warnings
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 import numpy as np
 
 from ._arguments import as_number, require_one_of
+from ._arrays import ARRAYS, TABLE, ArrayAttributes
 from ._call import Handle, raise_on_failure, watched
 from ._domain import Domain, text_of_domain
 from ._library import lib
@@ -19,25 +19,7 @@ from .stats import Stats, read_stats
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._types import Float64Array, Int8Array, Int32Array, Int64Array, UInt8Array, UInt32Array
-
-#: The arrays of each word of want.
-ARRAYS: Dict[str, Tuple[str, ...]] = {
-    "neighbors": ("indptr", "indices"),
-    "volumes": ("volumes",),
-    "centroids": ("centroids",),
-    "counts": ("face_counts", "edge_counts", "vertex_counts"),
-    "areas": ("face_areas",),
-    "normals": ("face_normals",),
-    "surfaces": ("surface_areas",),
-    "radii": ("security_radii",),
-    "vertices": ("vertices", "cell_vertex_indptr", "cell_vertex_indices"),
-    "faces": ("face_offsets", "face_vertices"),
-}
-# Empty where they do not apply; shifts also where a periodic result has no entries.
-_OPTIONAL = ("shifts", "duplicate_of", "weights", "ids", "mesh_areas")
-
-_Vector = ctypes.c_double * 3
+    from ._types import Float64Array, Int32Array, Int64Array
 
 
 @dataclass(frozen=True)
@@ -67,28 +49,21 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
     planar = bool(lib.votess_result_planar(result))
     size = 2 if planar else 3  # of vectors
 
-    def flat(vectors: Any) -> Float64Array:
-        return _constant(np.array(vectors)[..., :size])
-
-    arrays = {name: result.array(name) for word in wanted for name in ARRAYS[word]}
-    arrays["status"] = result.array("status")
-    axes = (ctypes.c_int32 * 3)()
-    raise_on_failure(lib.votess_result_periodic(result, axes))
-    for name in _OPTIONAL:
+    box, periodic, edges, walls = (result.array(name) for name in ("box", "periodic", "cell", "walls"))
+    arrays = {}
+    for name, of in TABLE.items():
+        if of.group and of.group not in wanted:
+            continue
         array = result.array(name)
-        if len(array) or (name == "shifts" and any(axes) and "neighbors" in wanted):
+        # Where a periodic result has no entries, shifts are empty too.
+        if not of.optional or len(array) or (name == "shifts" and periodic.any()):
             arrays[name] = array
-    lower, upper = _Vector(), _Vector()
-    raise_on_failure(lib.votess_result_box(result, lower, upper))
-    has_cell, vectors = ctypes.c_int32(), [_Vector() for _ in range(4)]
-    raise_on_failure(lib.votess_result_cell(result, has_cell, *vectors))
-    walls = result.array("walls")
     return ResultData(
         arrays=arrays,
-        box=flat((lower, upper)),
-        periodic=tuple(bool(axis) for axis in axes[:size]),
-        origin=flat(vectors[0]) if has_cell.value else None,
-        cell=flat(vectors[1 : size + 1]) if has_cell.value else None,
+        box=_constant(box[:, :size]),
+        periodic=tuple(bool(axis) for axis in periodic[:size]),
+        origin=_constant(edges[0, :size]) if len(edges) else None,
+        cell=_constant(edges[1 : size + 1, :size]) if len(edges) else None,
         walls=_constant(walls[:, [0, 1, 3]]) if planar else walls,
         planar=planar,
         lists_walls=bool(lib.votess_result_lists_walls(result)),
@@ -108,7 +83,7 @@ def locked(data: ResultData) -> ResultData:
 
 
 _WORD_OF = {"neighbors": "neighbors", "cell_vertices": "vertices", "faces": "faces"}
-_WORD_OF.update({name: word for word, names in ARRAYS.items() for name in names})
+_WORD_OF.update({name: of.group for name, of in TABLE.items() if of.group and not of.optional})
 
 
 def no_attribute(of: object, name: str, wanted: Optional[Tuple[str, ...]] = None) -> AttributeError:
@@ -124,7 +99,7 @@ def no_attribute(of: object, name: str, wanted: Optional[Tuple[str, ...]] = None
     return AttributeError(text)
 
 
-class Cells:
+class Cells(ArrayAttributes):
     """The cells of N seeds or queries, in their order."""
 
     def __init__(self, result: Handle, wanted: Tuple[str, ...]) -> None:
@@ -143,12 +118,15 @@ class Cells:
             raise no_attribute(self, name, self.__dict__.get("_wanted"))
 
     def _check_wanted(self, name: str) -> None:
-        if _WORD_OF[name] not in self._wanted:
+        if name in _WORD_OF and _WORD_OF[name] not in self._wanted:
             raise no_attribute(self, name, self._wanted)
 
     def _array(self, name: str) -> npt.NDArray[Any]:
         self._check_wanted(name)
         return self._data.arrays[name]
+
+    def _held(self, name: str) -> Optional[npt.NDArray[Any]]:
+        return self._data.arrays.get(name)
 
     def __len__(self) -> int:
         return len(self.status)
@@ -170,66 +148,9 @@ class Cells:
         return Lists(self.indptr, self.indices)
 
     @property
-    def indptr(self) -> Int64Array:
-        """(N + 1,) int64: row i of ``neighbors`` is ``indices[indptr[i]:indptr[i+1]]``."""
-        return self._array("indptr")
-
-    @property
-    def indices(self) -> Int32Array:
-        """(indptr[N],) int32, the concatenated rows of ``neighbors``."""
-        return self._array("indices")
-
-    @property
-    def volumes(self) -> Float64Array:
-        """(N,) float64 volumes, length unit cubed; 0 for a seed without a cell."""
-        return self._array("volumes")
-
-    @property
-    def face_areas(self) -> Float64Array:
-        """(indptr[N],) float64 areas of faces, length unit squared, one for each entry of ``neighbors.indices``.
-
-        Row i is ``face_areas[indptr[i]:indptr[i+1]]``. Walls are included if the rows list them. The error is at most
-        1e-10 of the surface area of the cell, 1e-5 if ``stats.precision`` is "single".
-        """
-        return self._array("face_areas")
-
-    @property
     def areas(self) -> Float64Array:
         """The same as :attr:`face_areas`."""
         return self.face_areas
-
-    @property
-    def face_normals(self) -> Float64Array:
-        """(indptr[N], 3) float64 outward unit normals of faces, one for each entry of ``neighbors.indices``."""
-        return self._array("face_normals")
-
-    @property
-    def shifts(self) -> Optional[Int8Array]:
-        """(indptr[N], 3) int8 numbers of box vectors from each neighbor to its image that touches; None unless periodic."""
-        return self._data.arrays.get("shifts")
-
-    @property
-    def surface_areas(self) -> Float64Array:
-        """(N,) float64 surface areas of the cells, walls included, length unit squared."""
-        return self._array("surface_areas")
-
-    @property
-    def mesh_areas(self) -> Optional[Float64Array]:
-        """(N,) float64 areas of the mesh's surface in each cell, with the word "surfaces"; None without ``mesh``."""
-        return self._data.arrays.get("mesh_areas")
-
-    @property
-    def security_radii(self) -> Float64Array:
-        """(N,) float64, twice the distance from each seed to the farthest vertex of its cell, length unit."""
-        return self._array("security_radii")
-
-    @property
-    def vertices(self) -> Float64Array:
-        """(V, 3) float64 coordinates.
-
-        Cells of a Tessellation share vertices: those that are equal in exact arithmetic occur once.
-        """
-        return self._array("vertices")
 
     @property
     def cell_vertices(self) -> Lists:
@@ -238,60 +159,10 @@ class Cells:
         return Lists(self.cell_vertex_indptr, self.cell_vertex_indices)
 
     @property
-    def cell_vertex_indptr(self) -> Int64Array:
-        """(N + 1,) int64: row i of ``cell_vertices`` begins at ``cell_vertex_indptr[i]``."""
-        return self._array("cell_vertex_indptr")
-
-    @property
-    def cell_vertex_indices(self) -> Int32Array:
-        """(cell_vertex_indptr[N],) int32, rows of ``vertices``."""
-        return self._array("cell_vertex_indices")
-
-    @property
     def faces(self) -> Faces:
         """The polygons of the faces, one for each entry of ``neighbors.indices``, counterclockwise seen from outside."""
         self._check_wanted("faces")
         return Faces(self.face_offsets, self.face_vertices)
-
-    @property
-    def face_offsets(self) -> Int64Array:
-        """(indptr[N] + 1,) int64: polygon k of ``faces`` begins at ``face_offsets[k]``."""
-        return self._array("face_offsets")
-
-    @property
-    def face_vertices(self) -> Int32Array:
-        """(face_offsets[-1],) int32, rows of ``vertices``, the concatenated polygons."""
-        return self._array("face_vertices")
-
-    @property
-    def centroids(self) -> Float64Array:
-        """(N, 3) float64 centers of mass, in the coordinates of the points; NaN for a seed without a cell."""
-        return self._array("centroids")
-
-    @property
-    def face_counts(self) -> UInt32Array:
-        """(N,) uint32 numbers of faces, walls included."""
-        return self._array("face_counts")
-
-    @property
-    def edge_counts(self) -> UInt32Array:
-        """(N,) uint32 numbers of edges."""
-        return self._array("edge_counts")
-
-    @property
-    def vertex_counts(self) -> UInt32Array:
-        """(N,) uint32 numbers of vertices."""
-        return self._array("vertex_counts")
-
-    @property
-    def status(self) -> UInt8Array:
-        """(N,) uint8, values of :class:`CellStatus`."""
-        return self._data.arrays["status"]
-
-    @property
-    def duplicate_of(self) -> Optional[Int32Array]:
-        """(N,) int32 index of the seed that keeps the cell, -1 for other seeds. None without duplicates."""
-        return self._data.arrays.get("duplicate_of")
 
     @property
     def box(self) -> Float64Array:
@@ -458,11 +329,6 @@ class SeedCells(Cells):
             raise ValueError(f"the rows have {self.indptr[-1]} entries, too many for int32: use indptr and indices")
         return Rows(self.indices, self.indptr.astype(np.int32), self.status.astype(np.int32))
 
-    @property
-    def ids(self) -> Optional[Int32Array]:
-        """(M,) int32, with ``only``: row k is the cell of point ids[k]. None if all points have rows."""
-        return self._data.arrays.get("ids")
-
     def _check_whole(self) -> None:
         if self.ids is not None:
             raise ValueError("the cells of some points do not form a diagram: leave out only=")
@@ -475,11 +341,6 @@ class SeedCells(Cells):
     def _require_whole_faces(self, what: str) -> None:
         if self.least_face > 0:
             raise ValueError(f"{what} needs whole cells: leave out min_face and min_area")
-
-    @property
-    def weights(self) -> Optional[Float64Array]:
-        """(N,) float64 weights of a power diagram, or squares of its radii; None for a Voronoi diagram."""
-        return self._data.arrays.get("weights")
 
     @property
     def points(self) -> npt.NDArray[Any]:

@@ -10,7 +10,8 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_axis, as_each_axis, as_flag, as_word, counted
-from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, WantName
+from ._arrays import WantName
+from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord
 from ._call import Handle, Progress, run
 from ._domain import Domain, DomainLike, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points, fill_weights

@@ -10,7 +10,8 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, counted
-from ._c_api import ErrorCode, PrecisionWord, WantName
+from ._arrays import WantName
+from ._c_api import ErrorCode, PrecisionWord
 from ._call import Handle, Progress, VotessError, last_error, raise_on_failure, run
 from ._domain import DomainLike, as_domain, with_short_forms
 from ._input import as_density, as_one_each, as_points, fill_weights

@@ -15,13 +15,13 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, counted, shown
-from ._c_api import WantName
+from ._arrays import ARRAYS, WANT_BITS, WantName
 from ._call import Handle, OneCallAtATime, raise_on_failure, watched
 from ._domain import DomainLike, as_domain, with_short_forms
 from ._input import as_float64_or_float32, as_one_each, as_points
 from ._library import lib
 from ._run import implied_words, new_options
-from ._state import ARRAYS, no_attribute
+from ._state import no_attribute
 from .autodiff import Gradients
 from .mesh import Lists
 
@@ -424,7 +424,7 @@ class Frames(OneCallAtATime):
             if array.shape[0] > of.shape[0]:
                 raise ValueError(f"{name} has shape {array.shape}, but the rows have room for {of.shape[0]} entries")
             inputs.append((name, array, getattr(self._export, "given_" + name)))
-            words |= _c_api.WANT_BITS[bits[name]]
+            words |= WANT_BITS[bits[name]]
         order = cells._stream if stream is None else _cuda.as_stream(stream)
         with self._alone():
             self._check_last(cells._number, "vjp()")

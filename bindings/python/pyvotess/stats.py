@@ -73,7 +73,7 @@ def read_stats(result: Handle) -> Stats:
     return stats_of(c_stats)
 
 
-def stats_of(c_stats: _c_api.Stats) -> Stats:
+def stats_of(c_stats: _c_api.Struct) -> Stats:
     fields: Dict[str, Any] = {field[0]: getattr(c_stats, field[0]) for field in _c_api.Stats._fields_}
     del fields["struct_size"]
     fields["tiny_faces"] = None if c_stats.tiny_faces < 0 else c_stats.tiny_faces

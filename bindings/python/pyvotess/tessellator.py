@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Union
 
 from . import _c_api
 from ._arguments import shown
-from ._c_api import DuplicatesWord, PrecisionWord, WantName
+from ._arrays import WantName
+from ._c_api import DuplicatesWord, PrecisionWord
 from ._call import Handle, OneCallAtATime, Progress, raise_on_failure
 from ._domain import DomainLike, with_short_forms
 from ._library import lib
@@ -60,12 +61,10 @@ def tessellate(
         box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance and outside of :class:`Domain`.
     weights, radii : (N,) numbers for a power diagram, with these weights or the squares of these radii. A seed with an
         empty cell has status EMPTY.
-    want : names of arrays of the result, as a sequence or one string with commas: "volumes", "centroids",
-        "face_areas", "face_normals", "surface_areas", "security_radii", "face_counts", "vertices", "face_offsets" and
-        others. Words for groups of arrays: "neighbors" (indptr, indices, shifts), "counts" (face_counts, edge_counts,
-        vertex_counts), "areas", "normals", "surfaces", "radii", "vertices" (vertices, cell_vertices) and "faces"
-        (face_offsets, face_vertices). A name requests its whole group. Arrays with one row for each neighbor add
-        "neighbors"; "faces" adds "vertices", and walls to the rows.
+    want : names of arrays of the result, or of groups of them, as a sequence or one string with commas: "volumes",
+        "centroids", "counts", "areas", "surface_areas", "faces" and others, see "Names of arrays" on the page "Files". A
+        name requests its whole group. Arrays with one row for each neighbor add "neighbors"; "faces" adds "vertices",
+        and walls to the rows.
     list_walls : list walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces
         of a cell across a, b and c; -7, -8, ... = walls.
     device : where to run: auto = the first GPU, else the CPU; cpu; gpu = the first GPU; lavapipe = the first Vulkan

@@ -17,7 +17,7 @@ import numpy as np
 from helpers import EVERYTHING, PACKAGE_PARENT, uniform
 
 import pyvotess as vt  # noqa: E402
-from pyvotess import _c_api, _call, _library, _run, _state  # noqa: E402
+from pyvotess import _arrays, _c_api, _call, _library, _run  # noqa: E402
 
 
 class Verify(unittest.TestCase):
@@ -128,7 +128,7 @@ class Loading(unittest.TestCase):
 
     def test_literal_types_hold_the_words(self):
         for words, literal in (
-            (_c_api.WANT_BITS, _c_api.WantWord),
+            (_arrays.WANT_BITS, _arrays.WantWord),
             (_c_api.DUPLICATES, _c_api.DuplicatesWord),
             (_c_api.OUTSIDE, _c_api.OutsideWord),
             (_c_api.PRECISIONS, _c_api.PrecisionWord),
@@ -161,8 +161,7 @@ class Loading(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "name is 'volume': the arrays of result are indices, .*, indptr, .*, walls$"):
             handle.array("volume")
         listed = str(self.error_of(lambda: handle.array("x"))).rsplit(" are ", 1)[1].split(", ")
-        names = {name for names in _state.ARRAYS.values() for name in names}
-        self.assertEqual(set(listed), {*names, *_state._OPTIONAL, "status", "walls"})
+        self.assertEqual(set(listed), {*_arrays.TABLE, "box", "periodic", "cell", "walls"})
 
     @staticmethod
     def error_of(call):

@@ -8,7 +8,7 @@ import numpy as np
 from helpers import EVERYTHING, UNIT_BOX, uniform
 
 import pyvotess as vt  # noqa: E402
-from pyvotess import _c_api
+from pyvotess import _arrays
 from pyvotess.export.columns import color_values
 
 try:
@@ -73,14 +73,14 @@ class Want(unittest.TestCase):
             t = vt.tessellate(uniform(10), want=name)
             self.assertEqual(t.wanted, vt.tessellate(uniform(10), want=[word]).wanted)
             self.assertGreater(len(getattr(t, name)), 0)
-        everything = vt.tessellate(uniform(10), want=[*_c_api.WANT_BITS, "status"], list_walls=True)
-        for name in typing.get_args(_c_api.WantName):
+        everything = vt.tessellate(uniform(10), want=[*_arrays.WANT_BITS, "status"], list_walls=True)
+        for name in typing.get_args(_arrays.WantName):
             t = vt.tessellate(uniform(10), want=f" {name} , status", list_walls=True)
-            if name in ("ids", "cell_vertices") or name in _c_api.WANT_BITS:
+            if name in ("ids", "cell_vertices") or name in _arrays.WANT_BITS:
                 continue
             np.testing.assert_equal(getattr(t, name), getattr(everything, name), name)
         names = set(everything._data.arrays)
-        self.assertLessEqual(names, set(typing.get_args(_c_api.WantName)))
+        self.assertLessEqual(names, set(typing.get_args(_arrays.WantName)))
         self.assertEqual(vt.tessellate(uniform(3), want="status").wanted, ())
         with self.assertRaisesRegex(ValueError, "'face_area': did you mean face_areas[?] Else give groups of neighbors"):
             vt.tessellate(uniform(3), want="face_area")

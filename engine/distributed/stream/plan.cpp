@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "votess/stream.hpp"
+
 namespace votess::stream {
 namespace {
 
@@ -12,14 +14,21 @@ constexpr double min_block = 500;
 // part whatever the blocks are.
 constexpr double share_of_block = 0.9, of_threads = 40e6, max_of_threads = 0.25;
 
-// Returns the bytes of a cell's measures in memory.
-double measures(const Want& want) {
-    return 8.0 * want.volumes + 24.0 * want.centroids + 12.0 * want.counts + 8.0 * want.surfaces + 8.0 * want.radii;
+// Returns the bytes of the wanted arrays of a cell, or of an entry, in memory.
+double bytes_of(const Want& want, Per per) {
+    double bytes = 0;
+    for_row_arrays([&](const auto& array, std::size_t) {
+        const bool of_rows = array.word == &Want::neighbors;
+        if (array.per == per && array.word != nullptr && !of_rows && want.*array.word)
+            bytes += static_cast<double>(array.components * sizeof(array.of(std::declval<StreamRows&>())[0]));
+    });
+    return bytes;
 }
-
-// Returns the bytes of a row's values.
+double measures(const Want& want) {
+    return bytes_of(want, Per::cell);
+}
 double values(const Want& want) {
-    return entries * (8.0 * want.areas + 24.0 * want.normals);
+    return entries * bytes_of(want, Per::entry);
 }
 
 // Returns the seeds of a block and its halo, see Tile::width.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict
 
 import numpy as np
 
-from .._state import ARRAYS
+from .._arrays import TABLE
 from .optional import imported
 
 if TYPE_CHECKING:
@@ -21,19 +21,14 @@ if TYPE_CHECKING:
     Arrays = Dict[str, npt.NDArray[Any]]
 
 #: Reserved names in both formats, which the caller's columns must not have. Files of clvotess may hold "ids".
-NAMES = frozenset(name for names in ARRAYS.values() for name in names).union(
-    "ids shifts mesh_areas status duplicate_of box periodic cell origin walls version domain_from periodic_from".split()
+NAMES = frozenset(TABLE).difference(("weights",)).union(
+    "box periodic cell origin walls version domain_from periodic_from".split()
 )
-
-# In the order of the file.
-_AFTER_ROWS = ("areas", "normals", "volumes", "centroids", "surfaces", "radii", "counts", "vertices", "faces")
 
 
 def _result_arrays(t: SeedCells) -> Arrays:
     held = t._data.arrays
-    names = [name for word in _AFTER_ROWS for name in ARRAYS[word]]
-    names = [*ARRAYS["neighbors"], "shifts", *names, "mesh_areas", "status", "duplicate_of"]
-    return {name: held[name] for name in names if name in held}
+    return {name: held[name] for name in TABLE if name in held and name not in ("ids", "weights")}
 
 
 def _domain_arrays(t: SeedCells) -> Arrays:

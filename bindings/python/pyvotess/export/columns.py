@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Container, Dict, Optional, Tuple
 import numpy as np
 
 from .._arguments import shown
+from .._arrays import ARRAYS, TABLE
 from .._input import as_array, as_float64_or_float32
-from .._state import ARRAYS
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -29,6 +29,12 @@ def neighbor_counts(t: SeedCells) -> npt.NDArray[np.int32]:
     return np.bincount(cell[rows.indices >= 0], minlength=len(t)).astype(np.int32)
 
 
+def _arrays_of_cells(t: SeedCells) -> Dict[str, Tuple[str, npt.NDArray[Any]]]:
+    """Returns the arrays of the result that are columns of cells, by name, and the names of the columns."""
+    held = t._data.arrays
+    return {name: (of.column, held[name]) for name, of in TABLE.items() if of.column and name in held}
+
+
 def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     """Returns all numbers of the cells in the result, as (N,) columns by name."""
     points = np.asarray(t.points)
@@ -37,13 +43,11 @@ def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
         columns["weights"] = t.weights
     if "neighbors" in t.wanted:
         columns["neighbors"] = neighbor_counts(t)
-    if "volumes" in t.wanted:
-        columns["volumes"] = t.volumes
-    if "centroids" in t.wanted:
-        columns.update({f"centroid_{axis}": column for axis, column in zip("xyz", t.centroids.T)})
-    for word in ("surfaces", "radii", "counts"):
-        if word in t.wanted:
-            columns.update({name: getattr(t, name) for name in ARRAYS[word]})
+    for name, (column, values) in _arrays_of_cells(t).items():
+        if values.ndim == 1:
+            columns[name] = values
+        else:
+            columns.update({f"{column}_{axis}": part for axis, part in zip("xyz", values.T)})
     columns["status"] = t.status
     if t.duplicate_of is not None:
         columns["duplicate_of"] = t.duplicate_of
@@ -51,7 +55,7 @@ def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
 
 
 #: Names of the cell data of .vtu, which the caller's columns must not have.
-VTU_NAMES = frozenset(("id", "volume", "neighbors", "centroid", "status"))
+VTU_NAMES = frozenset(("id", "neighbors", "status", *(of.column for of in TABLE.values() if of.column)))
 
 
 def with_z(vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
@@ -60,15 +64,12 @@ def with_z(vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def vtu_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
-    """Returns the cell data of .vtu, (N,) or (N, 3); volume and centroid only if in ``want``. z is 0 in the plane."""
+    """Returns the cell data of .vtu, (N,) or (N, 3), by ``want``. z is 0 in the plane. In a mesh measures are of pieces."""
+    of_cells = {column: values if values.ndim == 1 else with_z(values) for column, values in _arrays_of_cells(t).values()}
     data: Dict[str, npt.NDArray[Any]] = {"id": np.arange(len(t), dtype=np.int64)}
-    if "volumes" in t.wanted:
-        data["volume"] = t.volumes
-    data["neighbors"] = neighbor_counts(t)
-    if "centroids" in t.wanted:
-        data["centroid"] = with_z(t.centroids)
-    data["status"] = t.status
-    return data
+    data.update({name: of_cells[name] for name in ("volume",) if name in of_cells}, neighbors=neighbor_counts(t))
+    data.update({name: of_cells[name] for name in ("centroid",) if name in of_cells}, status=t.status)
+    return data if t.in_mesh else {**data, **of_cells}
 
 
 def named_columns(columns: Columns) -> Mapping[str, npt.ArrayLike]:

@@ -74,7 +74,7 @@ def _options(
     size: Tuple[int, int],
     limits: Optional[Tuple[float, float]],
     threads: int,
-) -> _c_api.PictureOptions:
+) -> Any:
     """Returns options for any picture."""
     options = _c_api.PictureOptions()
     raise_on_failure(lib.votess_picture_options_init(options, ctypes.sizeof(options)))

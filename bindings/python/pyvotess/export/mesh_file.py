@@ -115,11 +115,11 @@ def mesh_quality(t: SeedCells, skip_open: bool, min_edge: float) -> MeshQuality:
     return _quality(measured)
 
 
-def _quality(measured: _c_api.MeshQuality) -> MeshQuality:
+def _quality(measured: _c_api.Struct) -> MeshQuality:
     return MeshQuality(**{name: getattr(measured, name) for name in MeshQuality.__dataclass_fields__})
 
 
-def _piece_arrays(arrays: Arrays, **options: float) -> _c_api.PieceArrays:
+def _piece_arrays(arrays: Arrays, **options: float) -> Any:
     kept = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     return _c_api.PieceArrays(rows=len(kept["ids"]), **kept, **options)
 
@@ -159,7 +159,7 @@ def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
 
 def _mesh_of(
     arrays: Arrays, columns: Arrays, box: npt.NDArray[np.float64], edges: npt.NDArray[np.float64], **flags: float
-) -> _c_api.Mesh:
+) -> Any:
     """Returns the struct of the library."""
     kept = [np.ascontiguousarray(array) for array in columns.values()]
     c_columns = (_c_api.Column * len(kept))()

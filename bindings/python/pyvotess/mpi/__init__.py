@@ -14,13 +14,13 @@ import numpy as np
 
 from .. import _c_api
 from .._arguments import as_word
-from .._c_api import DuplicatesWord, WantName
+from .._arrays import ARRAYS, WANT_BITS, WantName
+from .._c_api import DuplicatesWord
 from .._call import Callbacks, Handle, Progress, VotessError, raise_on_failure, showing
 from .._domain import DomainLike, as_domain, with_short_forms
 from .._input import as_array, as_points, fill_weights
 from .._run import new_options
 from .._row_arrays import NAMES, RowArrays
-from .._state import ARRAYS
 from ..mesh import Lists
 from ..stats import VerifyReport, as_sample, verify
 from . import _library
@@ -121,17 +121,9 @@ def _all_or_none(comm: Any) -> Iterator[None]:
             raise ValueError(f"rank {rank}: {text}") from failure
 
 
-def _box(result: Handle, dimensions: int) -> Float64Array:
-    corners = np.empty((2, 3))
-    raise_on_failure(_lib.votess_mpi_box(result, corners[0], corners[1]))
-    corners = np.ascontiguousarray(corners[:, :dimensions])
-    corners.flags.writeable = False
-    return corners
-
-
 def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool, dimensions: int) -> MpiTessellation:
     arrays: Dict[str, Any] = {name: result.array(name) for name in _ARRAYS}
-    for word, bit in _c_api.WANT_BITS.items():
+    for word, bit in WANT_BITS.items():
         if word != "neighbors" and not want & bit:  # rows are always present
             arrays.update((name, None) for name in ARRAYS[word] if name in arrays)
     if not made:
@@ -148,7 +140,7 @@ def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool, d
     c_counts = _library.MpiCounts()
     raise_on_failure(_lib.votess_mpi_read_counts(result, c_counts))
     counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})
-    box = _box(result, dimensions) if in_box else None
+    box = result.array("box")[:, :dimensions] if in_box else None
     return MpiTessellation(box=box, counts=counts, _result=result, _dimensions=dimensions, **arrays)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Tuple
 
 from .. import _library
-from .._c_api import Struct, declare, read_headers, signatures, structs_of
+from .._c_api import declare, read_headers, read_types, signatures
 
 if sys.platform == "darwin":
     _FILE_NAMES: Tuple[str, ...] = ("libvotess_mpi.dylib",)
@@ -22,9 +22,7 @@ else:
 _TEXT = read_headers("mpi.h")
 
 
-@structs_of(_TEXT)
-class MpiCounts(Struct):
-    """``votess_mpi_counts``."""
+MpiCounts = read_types(_TEXT)["MpiCounts"]
 
 
 def _find() -> str:

@@ -12,13 +12,12 @@ import numpy as np
 
 from .. import _c_api
 from .._arguments import as_count, as_flag, as_path, counted, require_one_of, shown
-from .._c_api import WantName
+from .._arrays import ARRAYS, WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing, view_of
 from .._domain import DomainLike, as_domain, with_short_forms
 from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
 from .._row_arrays import NAMES, RowArrays
-from .._state import ARRAYS
 from ..mesh import Lists
 from ..stats import Stats, VerifyReport, read_report, stats_of
 from .._library import lib
@@ -213,7 +212,7 @@ def tessellate_stream(
     source.expect(implied_words(options))
     counts, c_stats = _c_api.StreamCounts(), _c_api.Stats()
     stream = _c_api.Stream(verify=checks, hull=given.is_hull, memory=bytes_of_run, temporary=folder)
-    types = dict(_c_api.Stream._fields_)  # type: ignore[arg-type]
+    types = dict(_c_api.Stream._fields_)
     with showing(progress) as show:
         with Callbacks() as callbacks:
             options.progress = callbacks.progress(show)
