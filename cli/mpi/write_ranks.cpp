@@ -27,7 +27,7 @@ public:
         const WholeRows whole{
             .size = size_of_vectors(data.tessellation),
             .has_ids = share.has_ids,
-            .has_shifts = ranks.any(!cells.shifts.empty()),
+            .has_shifts = data.tessellation.periodic() != std::array<bool, 3>{},
             .has_duplicates = ranks.any(std::ranges::any_of(duplicate_of_, is_seed)),
             .wide = share.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())};
         rows_ = votess::rows_of(cells);

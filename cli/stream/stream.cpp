@@ -235,7 +235,7 @@ private:
         const WholeRows whole{
             .size = size_of_vectors(domain_),
             .has_ids = extras_.has_ids(),
-            .has_shifts = head_.periodic && head_.entries > 0,
+            .has_shifts = head_.periodic,
             .has_duplicates = head_.duplicates,
             .wide = head_.seeds > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())};
         const auto arrays = result_arrays(rows, RowRange{begin, count}, whole, input.ids, arguments_.wanted, carried);

@@ -134,7 +134,7 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
     const Cells& cells = data.tessellation;
     const WholeRows whole{.size = size_of_vectors(cells),
                           .has_ids = !data.input.ids.empty(),
-                          .has_shifts = !cells.shifts().empty(),
+                          .has_shifts = cells.periodic() != std::array<bool, 3>{},
                           .has_duplicates = !cells.duplicate_of().empty(),
                           .in_mesh = cells.in_mesh()};
     auto arrays = arrays_of(cells, std::nullopt, whole, data.input.ids, data.wanted, data.carried);
