@@ -147,7 +147,8 @@ def read_types(text: str) -> Dict[str, Any]:
     typedef = r"typedef struct (\w+) \{(.*?)\n\} \w+;|typedef (\w+) \(\*(\w+)\)\((.*?)\);"
     for struct, body, result, callback, given in re.findall(typedef, text, re.S):
         name = "".join(word.capitalize() for word in (struct or callback).split("_")[1:])
-        found[name] = type(name, (Struct,), {"_fields_": list(_fields(body))}) if struct else _callback(result, given)
+        members = {"__doc__": f"``{struct}``.", "_fields_": list(_fields(body))}
+        found[name] = type(name, (Struct,), members) if struct else _callback(result, given)
         _TYPES[struct or callback] = found[name]
     return found
 

@@ -23,7 +23,7 @@ void for_arrays(Per per, const Visit& visit) {
     for_row_arrays([&](const auto& array, std::size_t) {
         if (array.per == per) visit(array);
     });
-    if (per == Per::entry) visit(ArrayInfo{"owners", owners_of, per, 1});
+    if (per == Per::entry) visit(ArrayInfo{"owners", owners_of, per, 1, nullptr, ""});
 }
 
 template <class T>

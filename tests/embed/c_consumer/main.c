@@ -92,9 +92,13 @@ static void check_cube(const votess_result* result) {
         }
     }
     CHECK(ARRAY(result, result, "centroids", &length) == NULL && length == 0 && last.components == 3);  // not wanted
+    const double* box = ARRAY(result, result, "box", &length);
+    CHECK(length == 2 && last.components == 3 && box[0] == 0 && box[5] == 2);
+    CHECK(ARRAY(result, result, "cell", &length) == NULL && length == 0);  // not triclinic
     last.length = 5;
     CHECK_REFUSES(votess_result_array(result, "volume", &last), "name is 'volume': the arrays of result are indices, ");
-    CHECK(last.data == NULL && last.length == 0 && strstr(votess_last_error(), ", weights, walls") != NULL);
+    CHECK(last.data == NULL && last.length == 0 &&
+          strstr(votess_last_error(), ", weights, box, periodic, cell, walls") != NULL);
     CHECK_REFUSES(votess_result_array(result, NULL, &last), "name is NULL");
     CHECK_REFUSES(votess_result_array(result, "volumes", NULL), "array is NULL");
 
