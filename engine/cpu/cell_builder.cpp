@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "core/arithmetic.hpp"
 #include "core/box.hpp"
@@ -177,15 +178,36 @@ void CellBuilder::start() {
     walls_postponed_ = !domain_->walls.empty();
     if (domain_->wall_tree.size() == 0) clip_walls();
     clipped_by_owner_ = false;
+    vertex_owners_.clear();
     if (heaviest_ >= 0) clip_by_heaviest();
     if (probing_ && domain_->is_periodic()) clip_by_own_images();
     auto id = static_cast<std::int32_t>(seeds_.places());
     for (const exact::Plane& guard : guards_) cell_.clip(++id, guard, guard.shift);
 }
 
-void CellBuilder::clip_walls() {
-    if (walls_postponed_) cell_.clip_walls(*domain_);
-    walls_postponed_ = false;
+void CellBuilder::clip_walls(const std::function<void()>& crowded) {
+    if (std::exchange(walls_postponed_, false)) cell_.clip_walls(*domain_, crowded);
+}
+
+void CellBuilder::clip_walls_among_seeds() {
+    clip_walls([this] { clip_by_owners_of_vertices(); });
+}
+
+void CellBuilder::clip_by_owners_of_vertices() {
+    vertices_.clear();
+    for (int slot = 0; slot < cell_.slots(); ++slot)
+        if (cell_.alive(slot)) vertices_.push_back(cell_.position(slot));
+    const std::size_t tests = tests_;  // those of owners do not count
+    for (const auto& x : vertices_) {
+        if (known_owner_of(x, vertex_owners_) >= 0) continue;
+        const std::int32_t owner = owner_of(x);
+        if (owner < 0) continue;
+        clipped_by_owner_ = true;
+        const bool cuts = clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner]);
+        if (cuts && cell_.empty()) break;
+        vertex_owners_.push_back(owner);
+    }
+    tests_ = tests;
 }
 
 // For probes. A seed's own images are among the other images.
@@ -246,10 +268,10 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     return owner;
 }
 
-std::int32_t CellBuilder::known_owner_of(const std::array<double, 3>& x) const {
+std::int32_t CellBuilder::known_owner_of(const std::array<double, 3>& x, std::span<const std::int32_t> owners) const {
     std::int32_t owner = -1;
     double least = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_;
-    for (const std::int32_t id : owners_) {
+    for (const std::int32_t id : owners) {
         const auto i = static_cast<std::size_t>(id);
         const double d[3] = {seeds_.x[i] - at_[0] - x[0], seeds_.y[i] - at_[1] - x[1], seeds_.z[i] - at_[2] - x[2]};
         const double power = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - (seeds_.weights.empty() ? 0 : seeds_.weights[i]);
@@ -285,7 +307,7 @@ void CellBuilder::clip_if_hidden(bool beyond) {
     if (seeds_.weights.empty() && x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < covered_) return;
     int known = 0;
     for (int owners = 0; owners < owners_of_hidden;) {
-        std::int32_t owner = known < known_owners_of_hidden ? known_owner_of(x) : -1;
+        std::int32_t owner = known < known_owners_of_hidden ? known_owner_of(x, owners_) : -1;
         const bool searched = owner < 0;
         if (searched) {
             owner = owner_of(x);
@@ -317,7 +339,8 @@ void CellBuilder::poll_stop() {
 
 bool CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
     poll_stop();
-    if (plain_ && id != coincident_) return cell_.clip(id, {x, y, z});
+    if (plain_ && id != coincident_)
+        return std::ranges::find(vertex_owners_, id) == vertex_owners_.end() && cell_.clip(id, {x, y, z});
     if (seeds_.images == nullptr) return clip_by_image(id, {});
     return clip_by_image(seeds_.images->home(id), seeds_.images->shift(id));
 }
@@ -516,7 +539,7 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     if (!seeds_.weights.empty() || beyond) clip_if_hidden(beyond);
     if (!cell_.empty() && !probing_) open_window_of(static_cast<std::size_t>(own_));
     const double from = cell_.empty() ? infinity : clip_window();
-    clip_walls();
+    clip_walls_among_seeds();
     if (from < infinity) clip_far(from, false);
     if (seeds_.images != nullptr) clip_far_images();
     if (exhausted()) return nullptr;
@@ -538,7 +561,7 @@ double CellBuilder::clip_window() {
         if (to <= from && covered_ < infinity) return from;
         from = clip_band(from, to, idle);
         // Many walls all cut a cell that few seeds have cut.
-        if (cell_.planes().size() >= enough_for_walls) clip_walls();
+        if (cell_.planes().size() >= enough_for_walls) clip_walls_among_seeds();
         if (from < to || from == infinity) return from;
         // Only a few seeds can be so heavy that they cut from beyond this. The weights of boxes lead to them.
         const double reach_of_most = equal_reach_squared();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -82,8 +83,12 @@ private:
     void start();
     Cell* search(std::size_t max_tests);
     Cell& build_from(std::span<const std::int32_t> candidates);
-    // Clips by the walls that start() postponed.
-    void clip_walls();
+    // Clips by the walls that start() postponed. crowded: see Cell::clip_walls().
+    void clip_walls(const std::function<void()>& crowded = {});
+    // The same in a search. Many walls may meet where the cell does not reach, as at the tip of a cone. So if they are
+    // many, the seeds that own its vertices clip it first.
+    void clip_walls_among_seeds();
+    void clip_by_owners_of_vertices();
     void clip_by_own_images();
     [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
     [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
@@ -131,7 +136,8 @@ private:
     // the seed.
     [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& x);
     // Returns the one of least power among the owners that buried other seeds, or -1.
-    [[nodiscard]] std::int32_t known_owner_of(const std::array<double, 3>& x) const;
+    [[nodiscard]] std::int32_t known_owner_of(const std::array<double, 3>& x,
+                                              std::span<const std::int32_t> owners) const;
     void remember_owner(std::int32_t owner);
     // Clips a cell that does not hold its seed by the owner of its middle, again and again, until it is empty or holds
     // its middle. So a cell without volume takes few planes, wherever they come from. beyond: the seed lies outside of
@@ -199,7 +205,9 @@ private:
     std::vector<std::pair<double, std::int32_t>> candidates_;
     std::vector<std::int32_t> neighbors_;
     std::vector<CellPlane> planes_;
-    std::vector<std::int32_t> owners_;       // that buried the last seeds
+    std::vector<std::int32_t> owners_;         // that buried the last seeds
+    std::vector<std::int32_t> vertex_owners_;  // that clipped the cell before walls
+    std::vector<std::array<double, 3>> vertices_;
     std::size_t next_owner_ = 0;             // the one to forget next
     std::size_t max_unowned_ = 0;            // tests of boxes for an owner, while none is found
     std::size_t tests_ = 0, max_tests_ = 0;  // of the current seed

@@ -19,7 +19,7 @@ constexpr double smallest_height = 1e-300;  // differences of heights below it m
 constexpr double worst_condition = 1e4;     // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;    // a lattice meets fewer, all ties, which need the exact test
 constexpr int passed_before_sharpening = 256;
-constexpr std::size_t nodes_per_check = 256;
+constexpr std::size_t nodes_per_check = 256, crowded_nodes = 64;  // of the tree of walls
 constexpr int few_slots = 256;           // of a cell whose vertices are all compared with a plane
 constexpr int steps_at_first = 16;       // of a climb, before it starts again from the best of a sample
 constexpr std::size_t max_nearby = 256;  // vertices tried around the last cut
@@ -234,7 +234,7 @@ void Cell::start_without_walls(const exact::Point& seed, const Domain& domain, s
     }
 }
 
-void Cell::clip_walls(const Domain& domain) {
+void Cell::clip_walls(const Domain& domain, const std::function<void()>& crowded) {
     const WallTree& tree = domain.wall_tree;
     const auto clip_by = [&](std::size_t w) { clip(-7 - static_cast<std::int32_t>(w), domain.walls[w]); };
     if (tree.size() == 0) {
@@ -245,6 +245,7 @@ void Cell::clip_walls(const Domain& domain) {
     wall_queue_.assign(1, 0);
     for (std::size_t k = 0; k < wall_queue_.size(); ++k) {
         if (k % nodes_per_check == 0) check_stop();
+        if (k == crowded_nodes && crowded) crowded();
         const std::size_t node = wall_queue_[k];
         if (slots_ <= few_slots && !may_meet(tree, node)) continue;
         clip_by(tree.wall(node));

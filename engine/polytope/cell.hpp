@@ -21,6 +21,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -91,8 +92,8 @@ public:
     void start(const exact::Point& seed, const Domain& domain, std::int32_t id = 0);
     // Does the same without domain.walls. clip_walls() must follow, best when the cell is small.
     void start_without_walls(const exact::Point& seed, const Domain& domain, std::int32_t id);
-    // Clips by those of domain.walls that may cut the cell.
-    void clip_walls(const Domain& domain);
+    // Clips by those of domain.walls that may cut the cell. crowded: called once if these are many; it may clip.
+    void clip_walls(const Domain& domain, const std::function<void()>& crowded = {});
     // Clips by the bisector with q, which must differ from the seed. Returns true if the cell changed.
     bool clip(std::int32_t id, const exact::Point& q);
     // Clips by a plane relative to seed(). A bisector with a seed at the same place needs power.

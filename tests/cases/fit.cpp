@@ -109,15 +109,17 @@ TEST_SUITE("cases") {
                 const std::vector<double> targets(count, 1 / static_cast<double>(count));
                 votess::FitOptions tolerance;
                 tolerance.tolerance = 1e-6;
-                const auto fit = [&] {
-                    Options options;
-                    options.device = "cpu";
-                    options.box = test::unit_box();
-                    options.planar = planar;
-                    if (planar) options.box->lower[2] = options.box->upper[2] = 0;
-                    return votess::fit_volumes(points, targets, options, tolerance);
-                }();
+                Options options;
+                options.device = "cpu";
+                options.box = test::unit_box();
+                options.planar = planar;
+                if (planar) options.box->lower[2] = options.box->upper[2] = 0;
+                const auto fit = votess::fit_volumes(points, targets, options, tolerance);
                 CHECK(fit.steps <= 8);
+                // The result keeps the cells of the last step.
+                CHECK(fit.tessellation.stats().kept_cells > 9 * count / 10);
+                options.weights = fit.weights;
+                CHECK(test::check_identical(fit.tessellation, votess::tessellate(points, options)) == "");
                 CHECK(largest_error(fit.tessellation.volumes(), targets) < 1.001e-6);
                 const double sum = std::accumulate(fit.weights.begin(), fit.weights.end(), 0.0);
                 CHECK(std::abs(sum) < 1e-12 * static_cast<double>(count));

@@ -141,6 +141,14 @@ TEST_SUITE("cases") {
             for (double& weight : weights) weight += 1e-9 * m.random.uniform();
             m.options.weights = weights;
             CHECK(m.call() > 0.9);
+            // No walk from cell to cell finds their seeds in other rows.
+            for (std::size_t i = 1; i < weights.size(); ++i) {
+                const std::size_t other = m.random.below(i);
+                std::swap(weights[i], weights[other]);
+                std::swap_ranges(&m.points[3 * i], &m.points[3 * i] + 3, &m.points[3 * other]);
+            }
+            m.options.weights = weights;
+            CHECK(m.call() > 0.9);
         }
     }
 
