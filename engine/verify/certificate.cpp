@@ -149,8 +149,12 @@ Certificate::Verdict Certificate::prove() {
         sum.doubt += w->doubt;
     }
     if (combine()) check_volume(sum);
-    if (combine() && std::ranges::any_of(open_names_, [](std::uint64_t s) { return s != 0; }))
-        for_cells<Prefetch::all>([&](Worker& w, std::size_t i) { check_names(w, i); });
+    if (combine() && std::ranges::any_of(open_names_, [](std::uint64_t s) { return s != 0; })) {
+        const std::vector<bool> open = cells_of_open_names();
+        for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
+            if (open[i]) check_names(w, i);
+        });
+    }
     if (combine())
         for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
             if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
@@ -356,6 +360,7 @@ void Certificate::check_cell(Worker& w, std::size_t i) {
             measure_handed(w, i);
             if (!w.handed.to_name().empty()) name_planes(w, i);
             for (const int v : w.handed.to_name()) add_name(w, v);
+            w.name_for(static_cast<std::int32_t>(i));
             return;
         }
         // Names the corners that were handed to it for the other three.
@@ -367,7 +372,12 @@ void Certificate::check_cell(Worker& w, std::size_t i) {
                 is_last &= id < self ? 1 : 0;
             }
             const std::uint64_t h = scrambled(sum);
-            w.sums[h % buckets] += scrambled(h) * (4 * is_last - 1);
+            for (const std::int32_t id : others) {
+                w.named.push_back(static_cast<std::uint16_t>(h % buckets));
+                w.name_for(id);
+            }
+            add_to_sum(w, h, 4 * is_last - 1);
+            w.name_for(self);
         });
         if (!add_row(w, i)) return;
     }
@@ -884,12 +894,30 @@ void Certificate::add_names(Worker& w, std::size_t i) {
         }
         add_name(w, v);
     }
+    w.name_for(static_cast<std::int32_t>(i));
 }
 
 void Certificate::add_name(Worker& w, int corner) {
     std::uint64_t factor = 1;
     const std::uint64_t h = name_of(w, corner, factor);
-    w.sums[h % buckets] += scrambled(h) * factor;
+    add_to_sum(w, h, factor);
+}
+
+void Certificate::add_to_sum(Worker& w, std::uint64_t name, std::uint64_t factor) {
+    w.sums[name % buckets] += scrambled(name) * factor;
+    w.named.push_back(static_cast<std::uint16_t>(name % buckets));
+}
+
+// Returns which cells have corners whose names are among sums that are not 0.
+std::vector<bool> Certificate::cells_of_open_names() const {
+    std::vector<bool> open(result_.status.size());
+    for (const auto& w : workers_) {
+        std::size_t k = 0;
+        for (const auto& [cell, end] : w->named_cells)
+            for (; k < end; ++k)
+                if (open_names_[w->named[k]] != 0) open[at(cell)] = true;
+    }
+    return open;
 }
 
 // Returns a number that depends on the seeds and walls of a corner, neither on their order nor on a shift of all: with

@@ -92,6 +92,10 @@ private:
         RowPolytope::Measures measures;
         RowPolytope::Extent extent;       // of handed corners
         std::vector<std::uint64_t> sums;  // of names of corners, by bucket
+        // Cells, and the end in `named` of the buckets of their names.
+        std::vector<std::pair<std::int32_t, std::size_t>> named_cells;
+        std::vector<std::uint16_t> named;
+        void name_for(std::int32_t cell) { named_cells.emplace_back(cell, named.size()); }
         std::uint64_t polygons = 0;       // sum over both sides of all faces
         double volume = 0, doubt = 0;
         std::size_t covering = 0;  // cells that may hold the place of is_covered_once()
@@ -160,6 +164,8 @@ private:
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
     void add_name(Worker& w, int corner);
+    static void add_to_sum(Worker& w, std::uint64_t name, std::uint64_t factor);
+    [[nodiscard]] std::vector<bool> cells_of_open_names() const;
     void check_names(Worker& w, std::size_t i);
     [[nodiscard]] std::uint64_t name_of(const Worker& w, int corner, std::uint64_t& factor) const;
     void check_corner(Worker& w, std::size_t i, int corner);
