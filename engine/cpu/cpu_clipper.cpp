@@ -415,7 +415,8 @@ void CpuClipper::search(std::size_t seed, Worker& worker) const {
     const bool hidden_only = tests == 0 && !seeds_.weights.empty() && !seeds_.is_beyond(seed);
     Cell* cell = hidden_only ? worker.builder.build_if_hidden(seed) : worker.builder.build(seed, tests);
     worker.hidden = cell != nullptr && cell->empty() ? worker.hidden + 1 : 0;
-    worker.budget.searched(worker.builder.tests(), cell != nullptr);
+    // Where the budget is spent, hidden seeds say nothing about the next star.
+    worker.budget.searched(worker.builder.tests(), cell != nullptr && tests > 0);
     finish(cell, seed, worker);
 }
 

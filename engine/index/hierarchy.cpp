@@ -147,6 +147,8 @@ void Hierarchy::bound_weights(const SortedSeeds& seeds, std::size_t level, std::
         if (node >= counts_[level]) {
             out.top[i] = -infinity;
             for (auto& along : out.slope) along[i] = 0;
+            out.at_zero[i] = -infinity;
+            out.size[i] = 0;
             continue;
         }
         const Slope center = center_of(boxes, i);
@@ -190,6 +192,7 @@ void Hierarchy::bound_weights(const SortedSeeds& seeds, std::size_t level, std::
         if (const double largest = weights_[level][node]; level > 0 && !(top < largest)) top = largest, slope = {};
         out.top[i] = top;
         for (int k = 0; k < 3; ++k) out.slope[k][i] = slope[k];
+        out.extend(i, box(static_cast<int>(level), node));
     }
 }
 

@@ -2,7 +2,9 @@
 // or checked, so lists do not depend on the choice.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -20,10 +22,26 @@ struct alignas(64) BoxBlock {
     double upper[3][box_fan];
 };
 
-// Upper bounds of the weights of seeds in eight boxes: w <= top + slope.(x - c), where c is the center of the box.
+// Upper bounds of the weights of seeds in eight boxes: w <= top + slope.(x - c), where c is the center of the box. For
+// sums of few terms, also w <= at_zero + slope.x, and `size` is the largest sum of the sizes of these terms.
 struct alignas(64) WeightBlock {
     double top[box_fan];
     double slope[3][box_fan];
+    double at_zero[box_fan], size[box_fan];
+
+    // Sets at_zero and size from the others.
+    void extend(std::size_t i, const Box& box_i) {
+        constexpr double slack = 4e-15;  // of the terms of a bound
+        double by = 0, terms = std::abs(top[i]), farthest = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double along = slope[k][i] * (0.5 * (box_i.lower[k] + box_i.upper[k]));
+            by += along;
+            terms += std::abs(along);
+            farthest += std::abs(slope[k][i]) * std::max(std::abs(box_i.lower[k]), std::abs(box_i.upper[k]));
+        }
+        at_zero[i] = top[i] - by + slack * terms;
+        size[i] = std::abs(at_zero[i]) + farthest;
+    }
 };
 
 // The excess of a seed over those whose cells are searched: its residual w - base - slope.(x - origin) less `least`,
@@ -31,10 +49,39 @@ struct alignas(64) WeightBlock {
 struct WeightTilt {
     double slope[3], origin[3];
     double base, least;
+    double largest;  // bound on coordinates of seeds
 };
 
-struct HeavierTest {  // see near_heavier()
+// Whether a seed is so near and so heavy that D^2 - 2 length D < square + its excess, where D is its distance, or
+// `nearest` if that is more.
+//
+// As 2 D <= D^2 / far + far for any `far`, no seed passes where share D^2 - excess >= square + length far, with share =
+// 1 - length / far. This is sharp at D = far, and where length is 0.
+struct HeavierTest {
+    HeavierTest(const WeightTilt& tilt, double max_length, double added, double nearest_seed)
+        : length(max_length), square(added), nearest(nearest_seed), constant(tilt.base + tilt.least) {
+        double size = std::abs(tilt.base) + std::abs(tilt.least);
+        for (std::size_t k = 0; k < 3; ++k) {
+            slope[k] = tilt.slope[k];
+            constant -= slope[k] * tilt.origin[k];
+            size += std::abs(slope[k]) * (std::abs(tilt.origin[k]) + tilt.largest);
+        }
+        // The place in a box is off by a few units of its coordinates.
+        rounding = 4e-15 * size + 1e-30 * tilt.largest * tilt.largest;
+        set_far(std::max(nearest, length + std::sqrt(length * length + square)));
+    }
+    // Sets `far`, at least `length`.
+    void set_far(double far) {
+        constexpr double smallest_area = 1e-140;  // squares below it may have underflowed
+        share = far > 0 ? std::max(0.0, 1 - length / far) : 1;
+        turn = share > 0 ? 0.5 / share : 0;
+        limit = square + length * far * (1 + 1e-12) + rounding + smallest_area;
+    }
+
     double length, square, nearest;
+    double slope[3], constant;  // the excess is w - slope.x - constant
+    double rounding;            // of the excess, except that of the bound of w
+    double share, turn, limit;  // turn = 0.5 / share
 };
 
 // Seeds near a home group as integers: (coordinate - origin) * scale, rounded, or clamped to +-window_range. Seeds
@@ -104,10 +151,8 @@ struct StarKernels {
     const char* name;
     // Returns bit k if box k is nearer than sqrt(distance_squared) to the box home. For a point, lower = upper.
     unsigned (*near_boxes)(const BoxBlock&, const Box& home, double distance_squared);
-    // Returns bit k if a seed in box k may be so near to the box home that D^2 - 2 length D < square + its excess,
-    // where D is its distance, or `nearest` if that is more.
-    unsigned (*near_heavier)(const BoxBlock&, const WeightBlock&, const Box& home, const WeightTilt&,
-                             const HeavierTest&);
+    // Returns bit k if a seed in box k may pass the test, with its distance from the box home.
+    unsigned (*near_heavier)(const BoxBlock&, const WeightBlock&, const Box& home, const HeavierTest&);
     // Writes first + k for each bit k of eight, in order. There is room for eight. Returns the number of bits.
     int (*list_bits)(unsigned mask, std::uint32_t first, std::uint32_t* out);
     // Returns the bits of those of eight seeds that may lie in the ball, and are at least sqrt(least) / scale from p.

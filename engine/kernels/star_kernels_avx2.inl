@@ -210,9 +210,9 @@ struct Avx2 {
     }
 
     VOTESS_AVX2 static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home,
-                                             const WeightTilt& t, const HeavierTest& test) {
+                                             const HeavierTest& test) {
         Long4 near[2];
-        near_heavier_boxes(b, w, home, t, test, near);
+        near_heavier_boxes(b, w, home, test, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
 

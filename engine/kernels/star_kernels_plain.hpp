@@ -91,9 +91,6 @@ VOTESS_INLINE void absolute(const Double4& v, Double4& out) {
     std::memcpy(&out, &bits, sizeof out);
 }
 
-// Of `length` to the root of `square` in heavier_at_place().
-constexpr double short_length = 0x1p-20;
-
 // Squares of areas below it may have underflowed. Seeds that near count as near.
 constexpr double smallest_fourth_power = 1e-280, smallest_area = 1e-140;
 
@@ -111,109 +108,81 @@ VOTESS_INLINE void square_roots(const Double4& v, Double4& out) {
     for (int i = 0; i < 4; ++i) out[i] = std::sqrt(v[i]);
 }
 
-// The test of near_heavier() at one place of each of four boxes, where D and the excess are balanced. near2: the least
-// D^2. excess: the largest of each box, and that of its seeds changes by `apart` along its axes.
+// The test of near_heavier() for four boxes. Adds up to a vector: -1 for boxes that pass it, 0 for others. Place: home is
+// one. Nearest: test.nearest is not 0. most: set to the largest excess of those that pass it.
 //
-// As 2 D <= D^2 / far + far for any `far`, no seed passes where s D^2 - excess >= square + length far, with s = 1 -
-// length / far. Each axis adds a convex function of the place to the left side. It is least where the way from home is
-// apart / 2 s, or at an end of the box. Rounding of that way changes it in second order.
-VOTESS_INLINE void balanced(const BoxBlock& b, const Box& home, int first, const Double4& near2, const Double4& excess,
-                            const Double4 (&apart)[3], const HeavierTest& test, Long4& out) {
+// Each axis adds a convex function of the place to share D^2 - excess. It is least where the way from home is apart *
+// turn, or at an end of the box. Rounding of that place changes it in second order.
+template <bool Place, bool Nearest>
+VOTESS_INLINE void heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
+                                 int first, Long4& out, Double4& most) {
     using Lanes = Double4;
-    const double least2 = std::max(4 * test.length * test.length, test.nearest * test.nearest);
-    Lanes far;
-    square_roots(near2 < least2 ? Lanes{} + least2 : near2, far);
-    const Lanes s = test.length > 0 ? 1 - test.length / far : Lanes{} + 1, turn = 0.5 / s;
-    Lanes gaps2{}, more = excess;
+    Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.at_zero + first) - test.constant, largest = excess;
     for (int k = 0; k < 3; ++k) {
         const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + first),
                     upper = *reinterpret_cast<const Lanes*>(b.upper[k] + first);
-        Lanes steep;
-        absolute(apart[k], steep);
-        const Long4 up = apart[k] > 0;
-        const Lanes begin = up ? lower - home.upper[k] : home.lower[k] - upper,
-                    end = up ? upper - home.upper[k] : home.lower[k] - lower,
-                    behind = up ? home.lower[k] - upper : lower - home.upper[k];
-        Lanes way = steep * turn;
-        way = way < begin ? begin : way;
-        way = way > end ? end : way;
-        more -= steep * (end - way);
-        way = way < behind ? behind : way;
-        way = way > 0 ? way : Lanes{};
-        gaps2 += way * way;
+        const Lanes apart = *reinterpret_cast<const Lanes*>(w.slope[k] + first) - test.slope[k];
+        Lanes x = Lanes{} + home.lower[k];
+        if constexpr (!Place) x = apart > 0 ? Lanes{} + home.upper[k] : x;
+        x += test.turn * apart;
+        x = x > lower ? x : lower;
+        x = x < upper ? x : upper;
+        Lanes gap = x - home.lower[k];
+        if constexpr (!Place) {
+            const Lanes above = x - home.upper[k], below = -gap;
+            gap = above > below ? above : below;
+            gap = gap > 0 ? gap : Lanes{};
+        }
+        gaps2 += gap * gap;
+        excess += apart * x;
+        if constexpr (Nearest) {
+            const Lanes at_lower = apart * lower, at_upper = apart * upper;
+            largest += at_lower > at_upper ? at_lower : at_upper;
+        }
     }
-    out &= ~(s * gaps2 * (1 - 1e-12) - more - test.square - test.length * far * (1 + 1e-12) > smallest_area);
+    const Lanes slack = residual_slack * *reinterpret_cast<const Lanes*>(w.size + first);
+    Long4 far = test.share * gaps2 * (1 - 1e-12) - excess - slack > test.limit;
+    if constexpr (Nearest) {
+        const double nearest2 = test.nearest * test.nearest;
+        far |= test.share * nearest2 * (1 - 1e-12) - largest - slack > Lanes{} + test.limit;
+    }
+    // Missing boxes are infinitely far away. A sum that is NaN proves nothing.
+    out &= (*reinterpret_cast<const Lanes*>(b.lower[0] + first) <=
+            *reinterpret_cast<const Lanes*>(b.upper[0] + first)) &
+           ~far;
+    most = out != 0 ? excess : Lanes{};
 }
 
-// The same for a home that is a place, where `length` is far shorter than the root of `square`.
-VOTESS_INLINE void heavier_at_place(const BoxBlock& b, const WeightBlock& w, const std::array<double, 3>& place,
-                                    const WeightTilt& t, const HeavierTest& test, Long4 (&out)[2]) {
-    using Lanes = Double4;
-    constexpr double s = 1 - short_length, turn = 0.5 / s;
-    const double square = test.square + test.length * test.length / short_length * (1 + 1e-12);
-    for (int i = 0; i < box_fan; i += 4) {
-        Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size;
-        absolute(excess, size);
-        for (int k = 0; k < 3; ++k) {
-            const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
-                        upper = *reinterpret_cast<const Lanes*>(b.upper[k] + i),
-                        slope = *reinterpret_cast<const Lanes*>(w.slope[k] + i);
-            const Lanes begin = lower - place[k], end = upper - place[k], apart = slope - t.slope[k];
-            const Lanes half = 0.5 * (upper - lower), by = t.slope[k] * (0.5 * (upper + lower) - t.origin[k]);
-            Lanes steep_apart, length_by, steep, way = turn * apart;
-            way = way < begin ? begin : way;
-            way = way > end ? end : way;
-            absolute(apart, steep_apart);
-            absolute(by, length_by);
-            absolute(slope, steep);
-            gaps2 += way * way;
-            excess += steep_apart * (half - (apart > 0 ? end - way : way - begin)) - by;
-            size += length_by + (steep_apart + steep) * half;
-        }
-        const Lanes most = excess - t.least + residual_slack * size;
-        // Neither test sees that there is no box when the place is not a number.
-        const Long4 exists =
-            *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
-        out[i / 4] = exists & (gaps2 < std::numeric_limits<double>::infinity()) &
-                     ~(s * gaps2 * (1 - 1e-12) - most - square > smallest_area);
-    }
+template <bool Place, bool Nearest>
+VOTESS_INLINE double heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
+                                   Long4 (&out)[2]) {
+    Double4 most[2];
+    for (int i = 0; i < 2; ++i) heavier_boxes<Place, Nearest>(b, w, home, test, 4 * i, out[i], most[i]);
+    const Double4 larger = most[0] > most[1] ? most[0] : most[1];
+    double largest = 0;
+    for (int i = 0; i < 4; ++i) largest = larger[i] > largest ? larger[i] : largest;
+    return largest;
 }
 
 // Writes -1 for boxes that pass the test of near_heavier(), 0 for others.
-VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
-                                      const HeavierTest& test, Long4 (&out)[2]) {
-    using Lanes = Double4;
-    if (test.nearest == 0 && test.length * test.length < short_length * short_length * test.square &&
-        home.lower == home.upper)
-        return heavier_at_place(b, w, home.lower, t, test, out);
-    const Lanes nearest2 = Lanes{} + test.nearest * test.nearest;
-    for (int i = 0; i < box_fan; i += 4) {
-        Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size, apart[3];
-        absolute(excess, size);
-        for (int k = 0; k < 3; ++k) {
-            const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
-                        upper = *reinterpret_cast<const Lanes*>(b.upper[k] + i),
-                        slope = *reinterpret_cast<const Lanes*>(w.slope[k] + i);
-            const Lanes below = lower - home.upper[k], above = home.lower[k] - upper;
-            Lanes gap = below > above ? below : above;
-            gap = gap > 0 ? gap : Lanes{};
-            gaps2 += gap * gap;
-            const Lanes half = 0.5 * (upper - lower), by = t.slope[k] * (0.5 * (upper + lower) - t.origin[k]);
-            apart[k] = slope - t.slope[k];
-            Lanes steep_apart, length_by, steep;
-            absolute(apart[k], steep_apart);
-            absolute(by, length_by);
-            absolute(slope, steep);
-            excess += steep_apart * half - by;
-            size += length_by + (steep_apart + steep) * half;
-        }
-        gaps2 = gaps2 < nearest2 ? nearest2 : gaps2;
-        const Lanes most = excess - t.least + residual_slack * size;
-        within_length(gaps2, most, test.length, test.square, out[i / 4]);
-        const Long4 tilted = out[i / 4] & ((apart[0] != 0) | (apart[1] != 0) | (apart[2] != 0));
-        if ((tilted[0] | tilted[1] | tilted[2] | tilted[3]) != 0)
-            balanced(b, home, i, gaps2, most, apart, test, out[i / 4]);
+VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
+                                      Long4 (&out)[2]) {
+    constexpr double much = 4;  // heavier, where another `far` excludes more
+    out[0] = out[1] = Long4{} - 1;
+    if (test.nearest > 0) {
+        (void)heavier_boxes<false, true>(b, w, home, test, out);
+        return;
     }
+    if (home.lower == home.upper) {
+        (void)heavier_boxes<true, false>(b, w, home, test, out);
+        return;
+    }
+    const double square = test.square + test.length * test.length;
+    const double excess = heavier_boxes<false, false>(b, w, home, test, out);
+    if (!(excess > much * square && excess < std::numeric_limits<double>::infinity())) return;
+    HeavierTest heavier = test;
+    heavier.set_far(test.length + std::sqrt(square + excess));
+    (void)heavier_boxes<false, false>(b, w, home, heavier, out);
 }
 
 // The test of near_bent() for seeds at places y whose lengths by A have squares of at least `squares`, and whose rho
@@ -339,10 +308,9 @@ struct Baseline {
         return static_cast<unsigned>((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
     }
 
-    static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
-                                 const HeavierTest& test) {
+    static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test) {
         Long4 near[2];
-        near_heavier_boxes(b, w, home, t, test, near);
+        near_heavier_boxes(b, w, home, test, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
 

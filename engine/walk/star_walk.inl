@@ -81,6 +81,7 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
 template <class Isa>
 void StarWalk<Isa>::find_tilt(std::size_t home, const Box& box) {
     tilt_ = {};
+    tilt_.largest = largest_coordinate(hierarchy_.box(hierarchy_.top_level(), 0));
     for (std::size_t k = 0; k < 3; ++k) tilt_.origin[k] = 0.5 * (box.lower[k] + box.upper[k]);
     home_tilt_length_ = 0;
     is_bent_ = false;
@@ -723,8 +724,8 @@ template <class Isa>
 unsigned StarWalk<Isa>::near_boxes(std::int32_t level, std::uint32_t index, const Ball& ball) const {
     const double square = ball.radius * ball.radius;
     const BoxBlock& boxes = hierarchy_.block(level, index);
-    return weighted_ ? Isa::near_heavier(boxes, hierarchy_.weight_bounds(level, index), ball.center, own_tilt_,
-                                         {ball.off, square, 0})
+    return weighted_ ? Isa::near_heavier(boxes, hierarchy_.weight_bounds(level, index), ball.center,
+                                         {own_tilt_, ball.off, square, 0})
                      : Isa::near_boxes(boxes, ball.center, square);
 }
 
@@ -804,7 +805,14 @@ template <class Visit>
 void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
     if (weighted_) {
         search_groups(
-            [&](int level) { return [&, level](std::uint32_t index) { return near_boxes(level, index, ball); }; },
+            [&](int level) {
+                const BoxBlock* const boxes = &hierarchy_.block(level, 0);
+                const WeightBlock* const weights = &hierarchy_.weight_bounds(level, 0);
+                const HeavierTest near(own_tilt_, ball.off, ball.radius * ball.radius, 0);
+                return [=, &center = ball.center](std::uint32_t index) {
+                    return Isa::near_heavier(boxes[index], weights[index], center, near);
+                };
+            },
             visit);
     } else {
         search_groups(
@@ -1440,14 +1448,14 @@ std::array<double, 3> StarWalk<Isa>::translation(const std::array<int, 3>& shift
 // shift. The test may change between calls.
 template <class Isa>
 template <class Visit>
-void StarWalk<Isa>::for_groups(const Box& around, const std::array<double, 3>& by, const WeightTilt& tilt,
-                               const HeavierTest& test, Visit visit) {
+void StarWalk<Isa>::for_groups(const Box& around, const std::array<double, 3>& by, const HeavierTest& test,
+                               Visit visit) {
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
         const BoxBlock& boxes = hierarchy_.block(level, index);
-        unsigned near = weighted_ ? Isa::near_heavier(boxes, hierarchy_.weight_bounds(level, index), around, tilt, test)
+        unsigned near = weighted_ ? Isa::near_heavier(boxes, hierarchy_.weight_bounds(level, index), around, test)
                                   : Isa::near_boxes(boxes, around, test.square);
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
@@ -1488,9 +1496,9 @@ double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
         const Box around = seen_from_images(home, by);
         WeightTilt tilt = tilt_;
         for (std::size_t k = 0; k < 3; ++k) tilt.origin[k] -= by[k];
-        HeavierTest test{length, 0, near};
+        HeavierTest test(tilt, length, 0, near);
         bool any = false;
-        for_groups(around, by, tilt, test, [&](std::size_t begin) {
+        for_groups(around, by, test, [&](std::size_t begin) {
             for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
                 const double apart = std::max(near, distance_to_seed(around, s)),
                              square = apart * apart * (1 - 8 * unit);
@@ -1502,7 +1510,7 @@ double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
                 any = true;
                 sure = std::min(sure, within);
             }
-            if (any) test.length = sure;
+            if (any) test = {tilt, sure, 0, near};
             return !any || sure > 0;
         });
         if (any) image_shifts_.push_back(shift);
@@ -1555,7 +1563,7 @@ bool StarWalk<Isa>::any_missing_image(const Ball& ball, double length) {
         const Box around = seen_from_images(ball.center, by);
         WeightTilt tilt = own_tilt_;
         for (std::size_t k = 0; k < 3; ++k) tilt.origin[k] -= by[k];
-        for_groups(around, by, tilt, {ball.off, square, near}, [&](std::size_t begin) {
+        for_groups(around, by, {tilt, ball.off, square, near}, [&](std::size_t begin) {
             for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
                 const double apart = distance_to_seed(around, s);
                 const double most = weighted_ ? std::max(0.0, largest_residual(tilt, s) - tilt.least) : 0;

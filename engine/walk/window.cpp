@@ -54,11 +54,12 @@ bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, cons
             return kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, square);
         });
     const double length = bent == nullptr ? 0.5 * radius : 0.5 * radius * bent->longest + bent->max_turned;
+    const HeavierTest test(*tilt, length, 0, 0);
     return collect(max_heavier_groups, [&](const Node& node) {
         const BoxBlock& boxes = hierarchy_.block(node.level, node.index);
         const WeightBlock& weights = hierarchy_.weight_bounds(node.level, node.index);
         return bent == nullptr || node.level > max_bent_level
-                   ? kernels_.near_heavier(boxes, weights, box, *tilt, {length, 0, 0})
+                   ? kernels_.near_heavier(boxes, weights, box, test)
                    : bent_kernels_.near_bent(boxes, weights, bent->tilt, bent->bend,
                                              0.5 * radius / std::sqrt(bent->gain));
     });
