@@ -461,7 +461,8 @@ class SeedCells(Cells):
     @property
     def ids(self) -> Optional[Int32Array]:
         """(M,) int32, with ``only``: row k is the cell of point ids[k]. None if all points have rows."""
-        return self._data.arrays.get("ids")
+        ids: Optional[Int32Array] = self._data.arrays.get("ids")
+        return np.empty(0, np.int32) if ids is None and len(self) < len(self._points) else ids  # only=[] has no array
 
     def _check_whole(self) -> None:
         if self.ids is not None:
