@@ -62,7 +62,8 @@ def by_sisl(name):
 changed = False
 right = points, edges[0]
 readers = {"ASE": by_ase, "gemmi": by_gemmi, "MDAnalysis": by_mdanalysis, "sisl": by_sisl}
-for name, stated in (("crystal.pdb", {"ASE": (0 * points, edges[0]), "gemmi": (points, [.25, -.036, -.02]), "MDAnalysis": right, "sisl": right}),
+wrong = {"ASE": (0 * points, edges[0]), "gemmi": (points, [.25, -.036, -.02])}
+for name, stated in (("crystal.pdb", {**wrong, "MDAnalysis": right, "sisl": right}),
                      ("without.pdb", dict.fromkeys(("ASE", "gemmi", "MDAnalysis"), right))):
     for reader, expected in stated.items():
         places, edge = readers[reader](name)
