@@ -7,7 +7,7 @@
 #   `except Exception` does not catch; so a loop over files ends there. PyVista reads .off by meshio, and ends as well.
 # Versions: trimesh 5.2.0, meshio 5.3.5, PyVista 0.49.1, Open3D 0.20.0 (open3d-cpu), libigl 2.6.3, PyMeshLab 2025.7.post1
 # Seen: 2026-11
-# Do: read such files by Open3D, or catch SystemExit; write .ply, which all of these read with polygons except libigl.
+# Do: read such files by Open3D, or cut the faces before writing; catch SystemExit around meshio.
 # Source: Geomview manual, "OFF: Object File Format", where each face has its own number of vertices.
 set -euo pipefail
 work=$(mktemp -d)
@@ -60,7 +60,8 @@ readers = {
     "trimesh": lambda name: len(trimesh.load_mesh(name).faces), "meshio": lambda name: len(meshio.read(name).cells[0].data),
     "PyVista": by_pyvista, "Open3D": by_open3d, "libigl": lambda name: len(igl.read_triangle_mesh(name)[1])}
 stated = {
-    "triangles": dict.fromkeys(readers, 36), "pentagons": {"trimesh": "TypeError", "meshio": "SystemExit", "PyVista": "SystemExit", "Open3D": 36, "libigl": 36},
+    "triangles": dict.fromkeys(readers, 36),
+    "pentagons": {"trimesh": "TypeError", "meshio": "SystemExit", "PyVista": "SystemExit", "Open3D": 36, "libigl": 36},
     "quadrilaterals": {"trimesh": 12, "meshio": "SystemExit", "PyVista": "SystemExit", "Open3D": 12, "libigl": 12}}
 changed = set(sizes["pentagons"]) != {5} or set(sizes["triangles"]) != {3}
 for name, expected in stated.items():

@@ -329,6 +329,14 @@ class SeedCells(Cells):
             raise ValueError(f"the rows have {self.indptr[-1]} entries, too many for int32: use indptr and indices")
         return Rows(self.indices, self.indptr.astype(np.int32), self.status.astype(np.int32))
 
+    def _held(self, name: str) -> Optional[npt.NDArray[Any]]:
+        held = super()._held(name)
+        if held is None and name == "ids" and len(self) < len(self._points):
+            return np.empty(0, np.int32)  # only=[]
+        if held is None and name == "mesh_areas" and self.in_mesh and "surfaces" in self.wanted:
+            return np.empty(0)  # no seeds
+        return held
+
     def _check_whole(self) -> None:
         if self.ids is not None:
             raise ValueError("the cells of some points do not form a diagram: leave out only=")

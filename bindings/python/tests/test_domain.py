@@ -180,7 +180,8 @@ class Domains(unittest.TestCase):
                 with self.assertRaisesRegex(ValueError, "some"):
                     refused()
             self.assertEqual(pickle.loads(pickle.dumps(some)).ids.tolist(), order.tolist())
-        self.assertEqual(len(vt.tessellate(p, only=[])), 0)
+        none = vt.tessellate(p, only=[])
+        self.assertEqual((len(none), none.ids.tolist()), (0, []))
         for only, message in (([500], "seed 500 at place 0"), ([1, 1], "named before"), (mask[:3], "mask of shape"),
                               ([0.5], "give indices")):
             with self.assertRaisesRegex(ValueError, message):

@@ -20,7 +20,7 @@ from pyvotess import autodiff, walls
 
 N = 8
 POINTS = np.random.default_rng(1).random((N, 3))
-SURFACE = {"points": POINTS, "vertices": CUBE[0], "triangles": CUBE[1]}
+SURFACE = {"points": POINTS, "mesh": CUBE}
 EACH = np.linspace(0.5, 1, N)
 ALL = "neighbors,volumes,centroids,areas,faces,surfaces,radii,counts"
 
@@ -67,7 +67,7 @@ RIGHT = {
     "color": {"None", "x", "nan each"}, "open": {"None"},
 }  # fmt: skip
 #: Other words of messages for a parameter.
-WORDS = {"queries": "query", "origins": "query", "radii": "radius", "limits": "box", "vectors": "cell", "repair": "mesh_repair", "vertices": "vertex"}
+WORDS = {"queries": "query", "origins": "query", "radii": "radius", "limits": "box", "vectors": "cell", "repair": "mesh_repair"}
 #: Errors that need not name the parameter: the combination with another argument is wrong, which is named.
 OTHERS = {
     ("tessellate in the plane", "points", "nan points"),
@@ -82,7 +82,6 @@ NEEDS = {
 LEFT_OUT = {
     "Frame.with_columns": "write_frames() checks them",
     "Frame.tessellate": "its arguments are those of tessellate()",
-    "StreamRows.neighbors": "an index, as of a list",
     "Pieces.rings": "an index, as of a list",
     "devices": "no parameters",
     "Probes.voronoi_indices": "that of Tessellation",
@@ -152,7 +151,7 @@ def calls():
         "lloyd of volumes": (vt.lloyd, {**domain, "steps": 0, "volumes": EACH, "normalize": True, "device": "cpu"}),
         "surface": (vt.surface, SURFACE),
         "lloyd_on_surface": (vt.lloyd_on_surface, {**SURFACE, "steps": 1}),
-        "remesh": (vt.remesh, {"vertices": CUBE[0], "triangles": CUBE[1], "n": 4, "steps": 0}),
+        "remesh": (vt.remesh, {"mesh": CUBE, "n": 4, "steps": 0}),
         "Remesh.save": (vt.remesh(CUBE, 4, steps=0).save, {"path": "r.obj"}),
         "transport_cost": (vt.transport_cost, {"tessellation": t}),
         "from_ase": (vt.from_ase, {"atoms": []}),

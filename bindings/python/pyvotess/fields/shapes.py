@@ -42,8 +42,9 @@ class Shapes:
 def make_shapes(t: SeedCells, open: Optional[str]) -> Shapes:
     places = t.wrapped_points if t.ids is None else np.asarray(t.points, np.float64)[t.ids]
     count, d = len(t), places.shape[1]
-    extent = t.box[1] - t.box[0] if np.isfinite(t.box).all() else np.ptp(places, axis=0)
-    unit = 2.0 ** np.frexp(extent.max(initial=0.0))[1]  # so that products stay in range
+    ends = t.box if np.isfinite(t.box).all() else places
+    extent = np.ptp(ends, axis=0).max() if len(ends) else 0.0
+    unit = 2.0 ** np.frexp(extent)[1]  # so that products stay in range
     size, surface = np.zeros(count), np.zeros(count)
     first, second = np.zeros((d, count)), np.zeros((d, d, count))
     # Integrals over a simplex with corners 0 and x_k, of sum s: its size times s / (d + 1), and times
