@@ -240,8 +240,13 @@ std::shared_ptr<DiagramState> state_around(DiagramState& state) {
     for (std::size_t k = 0; k < 3; ++k)
         for (double* const x : {&bounds.lower[k], &bounds.upper[k]})
             *x = std::clamp(*x, given.lower[k], given.upper[k]);
-    if (state.inside) include(edges, state.inside->mesh()->bounds(), bounds);
-    const Box ends = edges.ends_or(default_box(bounds, count, state.planar() ? 2 : 3));
+    if (state.inside) {
+        Box of_mesh = state.inside->mesh()->bounds();
+        if (state.planar()) of_mesh.lower[2] = of_mesh.upper[2] = 0;  // the height of a prism over polygons says nothing
+        include(edges, of_mesh, bounds);
+    }
+    const std::size_t divisor = state.inside ? std::max<std::size_t>(count, 1) : count;
+    const Box ends = edges.ends_or(default_box(bounds, divisor, state.planar() ? 2 : 3));
     return state.around = between(state, nullptr, ends, EndlessSides());
 }
 
