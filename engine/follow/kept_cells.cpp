@@ -28,7 +28,7 @@ constexpr double max_wrong_beside = 0.7;
 constexpr std::size_t made_until_sort = 16;
 constexpr std::size_t rows_sample = 64;
 constexpr unsigned unmatched_until_record = 16, max_skipped = 4;  // calls
-constexpr std::size_t max_flips = 256;           // for one cell and those that it changes
+constexpr std::size_t max_flips = 256;                            // for one cell and those that it changes
 
 }  // namespace
 
@@ -244,6 +244,22 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
         return skipped_ > 0 ? Plan::none : Plan::sample;
     }
     return complete_ ? Plan::repair : Plan::record;
+}
+
+inline KeptCells::Powers KeptCells::powers_of(const SeedPlace& seed) const {
+    constexpr auto infinity = std::numeric_limits<float>::infinity();
+    double way[3], square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        way[k] = frame_.point[k] - seed.x[k];
+        square += way[k] * way[k];
+    }
+    double tolerance = 0x1p-40 * (square + std::abs(seed.weight));
+    if (frame_.slack > 0) {
+        tolerance += 8 * frame_.slack * std::sqrt(square);
+        for (const auto& d : frame_.dual)
+            if (!(std::abs(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]) < 0.49)) return {-infinity, infinity};
+    }
+    return {static_cast<float>(square - seed.weight - tolerance), static_cast<float>(square - seed.weight + tolerance)};
 }
 
 void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, ThreadPool& pool) {
@@ -531,22 +547,6 @@ void KeptCells::mend(std::size_t seed, Range range, Worker& worker) {
     }
 }
 
-KeptCells::Powers KeptCells::powers_of(const SeedPlace& seed) const {
-    constexpr auto infinity = std::numeric_limits<float>::infinity();
-    double way[3], square = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        way[k] = frame_.point[k] - seed.x[k];
-        square += way[k] * way[k];
-    }
-    double tolerance = 0x1p-40 * (square + std::abs(seed.weight));
-    if (frame_.slack > 0) {
-        tolerance += 8 * frame_.slack * std::sqrt(square);
-        for (const auto& d : frame_.dual)
-            if (!(std::abs(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]) < 0.49)) return {-infinity, infinity};
-    }
-    return {static_cast<float>(square - seed.weight - tolerance), static_cast<float>(square - seed.weight + tolerance)};
-}
-
 // A neighbor that is nearer to the point settles it.
 bool KeptCells::may_hold(std::size_t seed) const {
     const KeptCell cell = this->cell(seed);
@@ -592,8 +592,8 @@ void KeptCells::test(ThreadPool& pool) {
             if (s % cells_per_check == 0) check_stop();
             if (s + 8 < range.end) prefetch(s + 8);
             if (!all_stay_ && s + 2 < range.end && cells_[s + 2] != nullptr)
-                for (const std::int32_t id : this->cell(s + 2).ids())
-                    __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(id, 0))]);
+                for (const std::uint8_t f : this->cell(s + 2).planes())
+                    __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(this->cell(s + 2).ids()[f], 0))]);
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));

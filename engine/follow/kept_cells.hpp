@@ -100,7 +100,8 @@ public:
     [[nodiscard]] KeptCell cell(std::size_t seed) const { return KeptCell(cells_[seed]); }
     void prefetch(std::size_t seed) const {
         constexpr std::size_t usual_bytes = 192;
-        for (std::size_t k = 0; k < usual_bytes && cells_[seed] != nullptr; k += 64) __builtin_prefetch(cells_[seed] + k);
+        for (std::size_t k = 0; k < usual_bytes && cells_[seed] != nullptr; k += 64)
+            __builtin_prefetch(cells_[seed] + k);
     }
 
 private:

@@ -82,8 +82,7 @@ void LooseCell::sort_faces(std::span<const std::int32_t> order) {
 
 void LooseCell::find_tests(std::size_t seed, CornerEdges& edges) {
     std::array<std::uint8_t, CellShape::max_planes> later;
-    for (std::size_t f = 0; f < faces; ++f)
-        later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed) ? 1 : 0;
+    for (std::size_t f = 0; f < faces; ++f) later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed) ? 1 : 0;
     // A closed surface has each edge once in either direction. Which corners and edges count is hard to foretell, so
     // there are few branches.
     bool closed = corners + 4 == 2 * faces;  // Euler
@@ -94,8 +93,7 @@ void LooseCell::find_tests(std::size_t seed, CornerEdges& edges) {
     for (std::size_t v = 0; v < corners; ++v) {
         const auto [a, b, c] = corner[v];
         closed &= edges.add(a, b, static_cast<std::uint32_t>(v), c) &
-                  edges.add(b, c, static_cast<std::uint32_t>(v), a) &
-                  edges.add(c, a, static_cast<std::uint32_t>(v), b);
+                  edges.add(b, c, static_cast<std::uint32_t>(v), a) & edges.add(c, a, static_cast<std::uint32_t>(v), b);
         const unsigned all_later = later[a] & later[b] & later[c];
         order[used] = static_cast<std::uint8_t>(v);
         number[v] = all_later != 0 ? static_cast<std::uint8_t>(used) : unused;

@@ -69,8 +69,8 @@ struct LooseCell {
     void renumber(const Number& number);
     // Puts the faces in the order of a row. order: of sorted seeds in rows.
     void sort_faces(std::span<const std::int32_t> order);
-    // Finds the signs of a seed's cell; each belongs to the lowest seed around it. A cell whose corners do not join to a
-    // closed surface becomes tied.
+    // Finds the signs of a seed's cell; each belongs to the lowest seed around it. A cell whose corners do not join to
+    // a closed surface becomes tied.
     void find_tests(std::size_t seed, CornerEdges& edges);
     // Writes a record and returns its size, a multiple of 8. room: least bytes of the storage.
     std::size_t pack(std::size_t room, std::span<std::byte> to) const;

@@ -249,7 +249,9 @@ std::optional<Certificate::Verdict> Certificate::prove_shared() {
         sum.volume += w->volume;
         sum.doubt += w->doubt;
     }
-    if (!shared || names != 0 || find_wrong_shift() || !shared_cover_once(sum) || !is_good(sum) || !is_good(*workers_.front())) return {};
+    if (!shared || names != 0 || find_wrong_shift() || !shared_cover_once(sum) || !is_good(sum) ||
+        !is_good(*workers_.front()))
+        return {};
     if (std::ranges::find(result_.status, CellStatus::empty) != result_.status.end() &&
         !try_all([&](Worker& w, std::size_t i) {
             if (result_.status[i] == CellStatus::empty) check_hidden(w, i);

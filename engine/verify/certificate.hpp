@@ -96,7 +96,7 @@ private:
         std::vector<std::pair<std::int32_t, std::size_t>> named_cells;
         std::vector<std::uint16_t> named;
         void name_for(std::int32_t cell) { named_cells.emplace_back(cell, named.size()); }
-        std::uint64_t polygons = 0;       // sum over both sides of all faces
+        std::uint64_t polygons = 0;  // sum over both sides of all faces
         double volume = 0, doubt = 0;
         std::size_t covering = 0;  // cells that may hold the place of is_covered_once()
         Fault fault, unsettled;
