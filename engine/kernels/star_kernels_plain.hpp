@@ -108,8 +108,8 @@ VOTESS_INLINE void square_roots(const Double4& v, Double4& out) {
     for (int i = 0; i < 4; ++i) out[i] = std::sqrt(v[i]);
 }
 
-// The test of near_heavier() for four boxes. Adds up to a vector: -1 for boxes that pass it, 0 for others. Place: home is
-// one. Nearest: test.nearest is not 0. most: set to the largest excess of those that pass it.
+// The test of near_heavier() for four boxes. Adds up to a vector: -1 for boxes that pass it, 0 for others. Place: home
+// is one. Nearest: test.nearest is not 0. most: set to the largest excess of those that pass it.
 //
 // Each axis adds a convex function of the place to share D^2 - excess. It is least where the way from home is apart *
 // turn, or at an end of the box. Rounding of that place changes it in second order.
@@ -147,9 +147,9 @@ VOTESS_INLINE void heavier_boxes(const BoxBlock& b, const WeightBlock& w, const 
         far |= test.share * nearest2 * (1 - 1e-12) - largest - slack > Lanes{} + test.limit;
     }
     // Missing boxes are infinitely far away. A sum that is NaN proves nothing.
-    out &= (*reinterpret_cast<const Lanes*>(b.lower[0] + first) <=
-            *reinterpret_cast<const Lanes*>(b.upper[0] + first)) &
-           ~far;
+    out &=
+        (*reinterpret_cast<const Lanes*>(b.lower[0] + first) <= *reinterpret_cast<const Lanes*>(b.upper[0] + first)) &
+        ~far;
     most = out != 0 ? excess : Lanes{};
 }
 

@@ -235,8 +235,7 @@ private:
     [[nodiscard]] std::array<double, 3> translation(const std::array<int, 3>& shift) const;
     [[nodiscard]] Box seen_from_images(const Box& box, const std::array<double, 3>& by) const;
     template <class Visit>
-    void for_groups(const Box& around, const std::array<double, 3>& by, const HeavierTest& test,
-                    Visit visit);
+    void for_groups(const Box& around, const std::array<double, 3>& by, const HeavierTest& test, Visit visit);
     [[nodiscard]] double distance_to_seed(const Box& box, std::size_t seed) const;
     [[nodiscard]] double largest_residual(const WeightTilt& tilt, std::size_t seed) const;
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
