@@ -108,8 +108,8 @@ VOTESS_INLINE void square_roots(const Double4& v, Double4& out) {
     for (int i = 0; i < 4; ++i) out[i] = std::sqrt(v[i]);
 }
 
-// The test of near_heavier() for four boxes. Adds up to a vector: -1 for boxes that pass it, 0 for others. Place: home
-// is one. Nearest: test.nearest is not 0. most: set to the largest excess of those that pass it.
+// The test of near_heavier() for four boxes. Clears the lanes of `out` whose boxes do not pass it. Place: home is one.
+// Nearest: test.nearest is not 0. most: set to the largest excess of each box that passes.
 //
 // Each axis adds a convex function of the place to share D^2 - excess. It is least where the way from home is apart *
 // turn, or at an end of the box. Rounding of that place changes it in second order.
