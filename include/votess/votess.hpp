@@ -436,7 +436,7 @@ struct VerifyReport {
     bool passed = false;
     std::string failure;               // one line on the first failed check; empty when passed
     std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
-    std::size_t sampled = 0;           // cells clipped again, up to the one that failed
+    std::size_t sampled = 0;           // cells clipped again, up to the one that failed; a proof needs none
     // As in Stats, not a failure. Unset for rows found in blocks and of some seeds.
     std::optional<std::uint64_t> tiny_faces;
     bool proven = false;   // all neighbors, shifts, and which seeds have cells are proven; no sample was needed

@@ -805,6 +805,29 @@ TEST_SUITE("cases") {
                 }
     }
 
+    // The box in which they are verified is long: rounded numbers do not settle which seeds exclude a hidden one.
+    TEST_CASE("verify proves a sheet of weighted seeds in a domain without end") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        test::PointSet set = test::uniform(40, 117);
+        test::Random random(118);
+        std::vector<double> weights;
+        for (std::size_t i = 0; i < set.size(); ++i) {
+            set.points[3 * i + 2] = 0.5;
+            weights.push_back(random.uniform(0, 0.1));
+        }
+        for (const bool endless : {false, true}) {
+            votess::Options options = rows_only();
+            options.weights = weights;
+            options.box = votess::Box{{0, 0, -inf}, {1, 1, inf}};
+            if (endless) options.box = test::cube(-inf, inf);
+            const auto t = votess::tessellate(std::span<const double>(set.points), options);
+            CHECK(std::ranges::count(t.status(), votess::CellStatus::empty) > 0);
+            const votess::VerifyReport report = votess::verify(t, set.points);
+            CHECK(report.failure == "");
+            CHECK(report.proven);
+        }
+    }
+
     // Volumes of a box that ends far away underflow, or all digits are those of the cells at its ends.
     TEST_CASE("verify compares numbers of domains without end cell by cell") {
         constexpr double inf = std::numeric_limits<double>::infinity();
