@@ -242,7 +242,8 @@ std::shared_ptr<DiagramState> state_around(DiagramState& state) {
             *x = std::clamp(*x, given.lower[k], given.upper[k]);
     if (state.inside) {
         Box of_mesh = state.inside->mesh()->bounds();
-        if (state.planar()) of_mesh.lower[2] = of_mesh.upper[2] = 0;  // the height of a prism over polygons says nothing
+        if (state.planar())
+            of_mesh.lower[2] = of_mesh.upper[2] = 0;  // the height of a prism over polygons says nothing
         include(edges, of_mesh, bounds);
     }
     const std::size_t divisor = state.inside ? std::max<std::size_t>(count, 1) : count;

@@ -106,7 +106,7 @@ void read_all_ways(Read read, bool frames = false) {
     with(wishes);
     wishes.all_columns = false;
     wishes.columns = {"species", "2"};
-    wishes.first_words = 0;
+    wishes.first_carried = 0;
     with(wishes);
     if (!frames) return;
     wishes.frame = 1;
