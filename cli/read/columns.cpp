@@ -101,7 +101,7 @@ std::vector<InputColumn> ColumnPlaces::columns(std::size_t rows) const {
     for (const Place& place : places_) {
         InputColumn& column = columns.emplace_back(InputColumn{.name = place.name, .width = place.at.size()});
         column.of_words = place.words;
-        column.carried = place.carried;
+        column.keeps_integers = place.carried;
         if (!place.words) column.values.reserve(rows * place.at.size());
     }
     return columns;

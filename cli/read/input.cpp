@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -18,12 +19,21 @@
 namespace clvotess {
 namespace {
 
-// Returns a number of a column that holds integers. Throws Failure for fractions and the like.
-std::int64_t as_integer(const InputColumn& column, double number) {
-    if (number == std::floor(number) && std::abs(number) < 0x1p63) return static_cast<std::int64_t>(number);
-    throw bad_input("the column " + in_quotes(column.name) +
-                    " holds integers beyond 2^53 beside other numbers, and one type cannot hold both: leave it out of "
-                    "--copy");
+bool is_int64(double number) {
+    return number == std::floor(number) && number >= -0x1p63 && number < 0x1p63;
+}
+
+double bits_of(double integer) {
+    return std::bit_cast<double>(static_cast<std::int64_t>(integer));
+}
+
+// Returns whether a number is the one that digits say.
+bool is_exact(double number, std::string_view digits) {
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    std::array<char, 400> text;
+    const auto [end, error] =
+        std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed, 0);
+    return error == std::errc() && std::string_view(text.data(), end) == digits;
 }
 
 using Vector3 = std::array<double, 3>;
@@ -381,41 +391,47 @@ void Input::append(const Input& rows) {
 
 void InputColumn::append(double number, std::string_view text) {
     if (const auto integer = read_int64(text)) return append_integer(*integer);
-    const bool digits = text.find_first_not_of("+-0123456789") == std::string_view::npos && !text.empty();
-    if (digits) {
+    const bool digits = !text.empty() && text.find_first_not_of("+-0123456789") == std::string_view::npos;
+    if (digits && !is_exact(number, text)) {
         throw bad_input("the column " + in_quotes(name) + " holds the integer " + std::string(text) +
                         ", which 64 bits cannot hold: leave it out of --copy");
     }
-    values.push_back(of_integers ? std::bit_cast<double>(as_integer(*this, number)) : number);
+    if (!is_int64(number)) hold_doubles();
+    values.push_back(of_integers ? bits_of(number) : number);
 }
 
 void InputColumn::append_integer(std::int64_t integer) {
     const auto number = static_cast<double>(integer);
     const bool exact = number < 0x1p63 && static_cast<std::int64_t>(number) == integer;
-    if (!exact && carried) hold_integers();
+    if (!exact && keeps_integers) hold_integers();
     values.push_back(of_integers ? std::bit_cast<double>(integer) : number);
 }
 
 void InputColumn::append_all(const InputColumn& rows) {
-    const std::size_t before = values.size();
+    if (!rows.keeps_integers) hold_doubles();
     if (rows.of_integers) hold_integers();
-    values.insert(values.end(), rows.values.begin(), rows.values.end());
+    if (of_integers && !rows.of_integers && !std::ranges::all_of(rows.values, is_int64)) hold_doubles();
+    values.reserve(values.size() + rows.values.size());
+    for (std::size_t k = 0; k < rows.values.size(); ++k)
+        values.push_back(!of_integers ? rows.rounded(k) : rows.of_integers ? rows.values[k] : bits_of(rows.values[k]));
     words.insert(words.end(), rows.words.begin(), rows.words.end());
-    if (!of_integers || rows.of_integers) return;
-    for (std::size_t k = before; k < values.size(); ++k)
-        values[k] = std::bit_cast<double>(as_integer(*this, values[k]));
 }
 
 void InputColumn::hold_integers() {
-    if (of_integers) return;
-    for (double& value : values) value = std::bit_cast<double>(as_integer(*this, value));
+    if (of_integers || !keeps_integers) return;
+    if (!std::ranges::all_of(values, is_int64)) return hold_doubles();
+    std::ranges::transform(values, values.begin(), bits_of);
     of_integers = true;
 }
 
+void InputColumn::hold_doubles() {
+    values = rounded();
+    keeps_integers = of_integers = false;
+}
+
 std::vector<double> InputColumn::rounded() const {
-    std::vector<double> numbers = values;
-    if (of_integers)
-        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<double>(integer(k));
+    std::vector<double> numbers(values.size());
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = rounded(k);
     return numbers;
 }
 

@@ -51,24 +51,29 @@ struct InputColumn {
     std::vector<double> values = {};      // width N, row by row
     std::vector<std::string> words = {};  // N, instead of numbers
     bool of_words = false;
-    bool carried = false;      // into the output, with all digits: the numbers of others may be rounded
-    bool of_integers = false;  // `values` holds the bits of std::int64_t: a double would round one of these integers
+    bool keeps_integers = false;  // a column of integers has all of their digits; other numbers are doubles
+    bool of_integers = false;     // `values` holds the bits of std::int64_t: a double would round one of these integers
 
     // Returns whether a number may stand for an integer that a double rounds.
     [[nodiscard]] bool may_round(double number) const {
-        return carried && (of_integers || !(std::abs(number) < 0x1p53));
+        return keeps_integers && (of_integers || !(std::abs(number) < 0x1p53));
     }
-    // Appends a number that may_round(). text: as the file has it, or empty. Throws Failure for integers that
-    // std::int64_t does not hold, and for those that a double rounds beside other numbers than integers.
+    // Appends a number that may_round(). text: as the file has it, or empty. Throws Failure for an integer that neither
+    // a double nor std::int64_t holds.
     void append(double number, std::string_view text);
     void append_integer(std::int64_t integer);
     void append_all(const InputColumn& rows);
-    // Throws Failure if a number is not an integer.
-    void hold_integers();
 
     [[nodiscard]] std::int64_t integer(std::size_t k) const { return std::bit_cast<std::int64_t>(values[k]); }
-    // Returns the numbers, rounded where no double holds them.
+    // Returns a number, rounded if no double holds it.
+    [[nodiscard]] double rounded(std::size_t k) const {
+        return of_integers ? static_cast<double>(integer(k)) : values[k];
+    }
     [[nodiscard]] std::vector<double> rounded() const;
+
+private:
+    void hold_integers();  // if all numbers are integers; else they stay doubles from now on
+    void hold_doubles();
 };
 
 struct Input {

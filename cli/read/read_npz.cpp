@@ -183,7 +183,8 @@ private:
         check_length(name, array, input.size(), "the array of points");
         const auto width = static_cast<std::size_t>(array.is_column() ? 1 : array.shape()[1]);
         if (width > max_columns) throw bad_input(name_ + ": " + name + " has rows of " + columns_text(width));
-        InputColumn& column = input.columns.emplace_back(InputColumn{.name = name, .width = width, .carried = carried});
+        InputColumn& column =
+            input.columns.emplace_back(InputColumn{.name = name, .width = width, .keeps_integers = carried});
         if (array.is_float()) return array.read_floats(column.values);
         for (const std::int64_t whole : array.read_whole()) column.append_integer(whole);
     }

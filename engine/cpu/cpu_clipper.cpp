@@ -20,11 +20,11 @@ namespace {
 // also store positions of vertices, for which longer blocks gain nothing.
 constexpr std::size_t longest_block = 65536, longest_placed = 16384, shortest_block = 2048, fewest_placed = 4;
 constexpr std::size_t many_threads = 32, parts_per_thread = 2;
-constexpr std::size_t sparse_stretch = 16384;  // seeds, when few of them have cells
-constexpr std::size_t min_block_seeds = 16;    // of few cells, so that all threads get some
-constexpr std::size_t blocks_per_thread = 8;
-constexpr std::size_t listed_block = 512;  // cells of clip_listed() in a task
-constexpr std::size_t index_task = 65536;  // entries of the inverse order in a task
+constexpr std::size_t sparse_stretch = 16384;                  // seeds, when few of them have cells
+constexpr std::size_t min_block_seeds = 16;                    // of few cells, so that all threads get some
+constexpr std::size_t blocks_per_thread = 8, few_placed = 64;  // of few cells
+constexpr std::size_t listed_block = 512;                      // cells of clip_listed() in a task
+constexpr std::size_t index_task = 65536;                      // entries of the inverse order in a task
 // Cells of a window lie where one slope of the weights puts them, unless the weights follow a steeper paraboloid.
 constexpr double max_walked_curvature = 0.2;
 constexpr std::size_t cells_per_check = 64;  // between calls of check_stop()
@@ -230,8 +230,9 @@ void CpuClipper::cut_into_blocks(std::size_t count) {
 }
 
 void CpuClipper::cut_into_small_blocks(std::size_t count) {
-    const std::size_t per_block =
-        std::clamp(count / (pool_->size() * blocks_per_thread), min_block_seeds, shortest_block);
+    const bool placed = job_.want.vertices && pool_->size() <= many_threads;
+    const std::size_t parts = placed ? few_placed : pool_->size() * blocks_per_thread;
+    const std::size_t per_block = std::clamp(count / parts, min_block_seeds, shortest_block);
     blocks_.assign(1, 0);
     while (blocks_.back() < count) blocks_.push_back(std::min(count, blocks_.back() + per_block));
 }

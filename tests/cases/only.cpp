@@ -138,6 +138,32 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(votess::tessellate(points, options), points).failure == "");
     }
 
+    // A vertex of many cells is where the first of them puts it, so blocks must not depend on threads.
+    TEST_CASE("only: vertices do not depend on the number of threads") {
+        test::Random random(3);
+        for (int set = 0; set < 8; ++set) {  // lattices with three weights; places of their vertices are rounded
+            std::vector<double> points, weights;
+            std::vector<std::int64_t> ids;
+            for (std::int64_t i = 0; i < 512; ++i) {
+                for (const std::int64_t k : {i / 64, i / 8 % 8, i % 8})
+                    points.push_back((static_cast<double>(k) + 0.5) / 8);
+                weights.push_back(1e-3 * std::floor(random.uniform(0, 3)));
+                if (i % 3 == 0) ids.push_back(i);
+            }
+            Options options;
+            options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+            options.want = {.neighbors = true, .volumes = false, .faces = true};
+            options.weights = weights;
+            options.only = ids;
+            options.threads = 1;
+            const auto one = votess::tessellate(points, options);
+            for (const unsigned threads : {2u, 3u}) {
+                options.threads = threads;
+                CHECK(std::ranges::equal(votess::tessellate(points, options).vertices(), one.vertices()));
+            }
+        }
+    }
+
     TEST_CASE("only: refusals") {
         const auto set = test::uniform(50, 1);
         Options options = test::all_options(set.box);

@@ -503,9 +503,15 @@ class Columns(ReaderTest):
             self.assertTrue(all(str(k) in text.replace(",", " ").split() for k in few), out)
         self.refuse("a.csv", "--copy", "k", "--memory", "1G", "-o", "o.h5", says=["'k'", "2^53"])
         head = "x,y,z,k\n.1,.2,.3,9007199254740993\n.4,.5,.6,"
-        for number, says in (("0.5", "beside other numbers"), ("1e300", "beside other numbers"), ("18446744073709551615", "64 bits")):
+        for number in ("18446744073709551615", "-9223372036854775809"):
             self.put("b.csv", head + number)
-            self.refuse("b.csv", "--copy", "k", "-o", "o.csv", says=["'k'", says])
+            self.refuse("b.csv", "--copy", "k", "-o", "o.csv", says=["'k'", "64 bits"])
+        for number in ("0.5", "1e300", "23112854520106532864", "-9223372036854775808000"):  # a column of doubles
+            self.put("b.csv", head + number)
+            self.assertEqual(self.carried("b.csv", "--copy", "k")[0]["k"].tolist(), [2.0**53, float(number)])
+            rows = head.splitlines()
+            self.put("c.csv", "\n".join([rows[0], rows[2] + number, rows[1]]))
+            self.assertEqual(self.carried("c.csv", "--copy", "k")[0]["k"].tolist(), [float(number), 2.0**53])
         self.put("b.csv", head + "2e3")
         self.assertEqual(self.carried("b.csv", "--copy", "k")[0]["k"].tolist(), [2**53 + 1, 2000])
         self.run_cli("b.csv", "--weights", "k", "-o", "o.csv")  # a weight is a double

@@ -189,7 +189,10 @@ class _File:
             path = self.find(name)
             if path is None:
                 raise ValueError(f"{self.where}: no dataset {name!r}, neither in the group of the points nor at the root")
-            found[name] = _numbers(np.array(self.column(path, frame)), f"{self.where}: dataset {path!r}")
+            values, where = np.array(self.column(path, frame)), f"{self.where}: dataset {path!r}"
+            if values.ndim not in (1, 2) or len(values) != len(points) or values.dtype.kind not in "fiu":
+                raise ValueError(f"{where} has shape {values.shape} of {values.dtype}, expected numbers for each of the {len(points)} points")
+            found[name] = _numbers(values, where)
         ids, kept = None, np.full(len(points), True)
         for name in _IDS:
             path = f"{self.group}/{name}".strip("/")

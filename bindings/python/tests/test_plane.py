@@ -440,6 +440,13 @@ class Plane(unittest.TestCase):
 class Queries(unittest.TestCase):
     """A Diagram of the plane: vectors of two components everywhere."""
 
+    def test_grids_in_polygons_cover_the_default_box(self):
+        square = {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1, 1), (0, 1)]]}
+        for n in (1, 4, 100):
+            box = vt.tessellate(POINTS[:n], mesh=square).box
+            grid = vt.Diagram(POINTS[:n], mesh=square).to_grid(np.ones(n), (8, 8))
+            self.assertAlmostEqual(grid.mean() * np.prod(box[1] - box[0]), 1, delta=1e-12)
+
     def test_vectors_have_two_components(self):
         """The numbers themselves are tested in C++ (tests/cases/query/plane.cpp)."""
         diagram, queries = vt.Diagram(POINTS, box=BOX, periodic="x"), np.random.default_rng(6).random((50, 2))

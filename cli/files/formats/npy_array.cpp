@@ -207,7 +207,7 @@ std::vector<std::int64_t> NpyArray::read_whole() {
     const auto take = [&](std::uint64_t k, auto value) {
         if constexpr (std::is_same_v<decltype(value), std::uint64_t>) {
             if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-                throw error("number " + std::to_string(k) + " = " + std::to_string(value) + " is too large for an id");
+                throw error("number " + std::to_string(k) + " = " + std::to_string(value) + " is too large for int64");
             }
         }
         values[k] = static_cast<std::int64_t>(value);

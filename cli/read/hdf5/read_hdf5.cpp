@@ -226,7 +226,7 @@ private:
     }
 
     static void append_column(const Hdf5Dataset& from, std::uint64_t first, std::uint64_t rows, InputColumn& to) {
-        InputColumn part{.name = to.name, .width = to.width, .carried = to.carried};
+        InputColumn part{.name = to.name, .width = to.width, .keeps_integers = to.keeps_integers};
         from.append_to(part.values, first, rows);
         if (from.is_whole() && std::ranges::any_of(part.values, [&](double x) { return part.may_round(x); })) {
             std::vector<std::int64_t> integers;
@@ -370,7 +370,8 @@ private:
             }
             if (request_.columns_may_lack && find_column(name, file).empty()) continue;
             const Hdf5Dataset values = open_column(file, path_of(name, file), rows);
-            columns.push_back({.name = name, .width = static_cast<std::size_t>(values.width()), .carried = carried});
+            columns.push_back(
+                {.name = name, .width = static_cast<std::size_t>(values.width()), .keeps_integers = carried});
         }
         const std::string group = group_of(name_);
         for (const std::string& path : request_.all_columns ? file.datasets() : std::vector<std::string>()) {
@@ -382,7 +383,8 @@ private:
             const Hdf5Dataset values = open_column(file, path, rows);
             if (columns.size() == max_columns) throw bad_input(file.path() + ": too many columns for --copy all");
             if (values.is_numbers() && values.rows() == rows)
-                columns.push_back({.name = name, .width = static_cast<std::size_t>(values.width()), .carried = true});
+                columns.push_back(
+                    {.name = name, .width = static_cast<std::size_t>(values.width()), .keeps_integers = true});
         }
         const bool named = std::ranges::find(columns, "Masses", &InputColumn::name) != columns.end();
         if (request_.all_columns && !named && is_mass_of_all("Masses", file)) columns.push_back({.name = "Masses"});
