@@ -249,7 +249,7 @@ std::optional<Certificate::Verdict> Certificate::prove_shared() {
         sum.volume += w->volume;
         sum.doubt += w->doubt;
     }
-    if (!shared || names != 0 || find_wrong_shift() || !shared_cover_once(sum) || !is_good(sum) ||
+    if (!shared || names != 0 || find_wrong_shift(false) || !shared_cover_once(sum) || !is_good(sum) ||
         !is_good(*workers_.front()))
         return {};
     if (std::ranges::find(result_.status, CellStatus::empty) != result_.status.end() &&
@@ -758,8 +758,9 @@ std::span<const std::int32_t> Certificate::polygons_of(std::size_t i) const {
     return std::span<const std::int32_t>(result_.face_vertices).subspan(first, last - first);
 }
 
-// Returns a vertex whose shift is not that from its original, as far as their places tell.
-std::optional<std::size_t> Certificate::find_wrong_shift() const {
+// Returns a vertex whose shift is not that from its original, as far as their places tell: so far out that rounding
+// hides a period they tell nothing. certain: leaves out vertices of which they do not.
+std::optional<std::size_t> Certificate::find_wrong_shift(bool certain) const {
     const std::span<const std::int32_t> images = result_.vertex_image_of;
     for (std::size_t v = 0; v < images.size(); ++v) {
         const std::size_t u = at(images[v]);
@@ -767,13 +768,20 @@ std::optional<std::size_t> Certificate::find_wrong_shift() const {
         if (u == v && (shift[0] | shift[1] | shift[2]) == 0) continue;
         if (u == v || images[u] != images[v]) return v;
         if (result_.vertices.empty()) continue;
+        constexpr double place_error = 0x1p12, near = 0.25;  // in errors of a rounded coordinate; of a whole number
         Vector3 way;
-        for (std::size_t k = 0; k < 3; ++k)
-            way[k] = (result_.vertices[3 * v + k] - result_.vertices[3 * u + k]) * job_.scale;
-        const auto turns = planes_.domain().edges.fraction(way);
+        double size = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = result_.vertices[3 * v + k] * job_.scale, y = result_.vertices[3 * u + k] * job_.scale;
+            way[k] = x - y;
+            size = std::max({size, std::abs(x), std::abs(y)});
+        }
+        const Basis& edges = planes_.domain().edges;
+        const auto turns = edges.fraction(way);
         for (std::size_t k = 0; k < 3; ++k) {
             const double expected = planes_.domain().periodic[k] ? turns[k] : 0;
-            if (!(std::abs(expected - shift[k]) < 0.25)) return v;
+            if (certain && !(place_error * edges.fraction_error(static_cast<int>(k), size) < near)) continue;
+            if (!(std::abs(expected - shift[k]) < near)) return v;
         }
     }
     return std::nullopt;
@@ -788,7 +796,7 @@ void Certificate::check_images(Worker& sum) {
                    " that its shift says";
         });
     };
-    if (const auto wrong = find_wrong_shift()) return fault(*wrong);
+    if (const auto wrong = find_wrong_shift(true)) return fault(*wrong);
     std::vector<std::int32_t> number(images.size(), -1), cell(images.size(), -1);
     std::int32_t originals = 0;
     for (std::size_t v = 0; v < images.size(); ++v)

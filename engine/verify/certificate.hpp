@@ -72,7 +72,8 @@ public:
         const EndlessSides* sides = nullptr;      // where the domain has no end
         bool covered_once = false;                // condition 3 is known to hold
     };
-    static constexpr const char* no_volume = "float64 cannot hold the volumes of the cells and the domain";
+    static constexpr const char* no_volume =
+        "float64 cannot tell whether the cells fill the domain: they are too thin, too small or too large";
     // job: of the points of the result, and its domain. Rows must ascend and be symmetric. All must outlive this
     // object.
     Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless);
@@ -152,7 +153,7 @@ private:
     void check_polygons(Worker& w, std::size_t i);
     [[nodiscard]] bool find_vertices(Worker& w, std::size_t i) const;
     [[nodiscard]] bool take_vertices(Worker& w, std::size_t i) const;
-    [[nodiscard]] std::optional<std::size_t> find_wrong_shift() const;
+    [[nodiscard]] std::optional<std::size_t> find_wrong_shift(bool certain) const;
     void check_images(Worker& sum);
     [[nodiscard]] std::span<const std::int32_t> polygons_of(std::size_t i) const;
     void add_polygons(Worker& w, std::size_t i) const;

@@ -716,7 +716,8 @@ TEST_SUITE("cases") {
         CHECK(test::has(unsupported([](Options& o) { o.walls = test::octahedron(1); }), "it replaces Options::walls"));
         CHECK(test::has(unsupported([](Options& o) { o.outside = votess::Outside::keep; }), "outside"));
         CHECK(test::has(unsupported([](Options& o) { o.want.faces = true; }), "want"));
-        CHECK(test::has(unsupported([](Options& o) { o.want.radii = true; }), "radii"));
+        CHECK(test::has(unsupported([](Options& o) { o.want.radii = true; }),
+                        "leave the other groups out of Options::want"));
         CHECK(test::has(unsupported([](Options& o) { o.planar = true, o.cell = votess::TriclinicBox{}; }),
                         "three dimensions"));
         CHECK(test::has(unsupported([](Options& o) { o.box->upper[0] = std::numeric_limits<double>::infinity(); }),

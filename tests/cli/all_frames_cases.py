@@ -113,8 +113,8 @@ class AllFrames(CliTest):
         self.run_cli("a.xyz", "--frames", "all", "-o", "t.csv", "-o", "t.xyz", "-o", "t.dump", "-o", "t.txt", "--format", "%i %v %s",
                      "--copy", "m,species")
         table = np.genfromtxt(self.folder / "t.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
-        self.assertEqual(table.dtype.names, ("frame", "id", "x", "y", "z", "volume", "neighbors", "n3", "n4", "n5", "n6", "n7", "m",
-                                             "species"))
+        self.assertEqual(table.dtype.names, ("frame", "id", "x", "y", "z", "volume", "neighbors", "n3", "n4", "n5", "n6", "n7",
+                                             "face_count", "edge_count", "vertex_count", "m", "species"))
         text = [row.split() for row in (self.folder / "t.txt").read_text().splitlines() if row[0] != "#"]
         np.testing.assert_array_equal(table["volume"], np.array([row[1] for row in text], float))
         np.testing.assert_array_equal(table["neighbors"], np.array([row[2] for row in text], int))

@@ -950,7 +950,7 @@ TEST_SUITE("cases") {
         CHECK(reason(unbounded, huge) == "");  // by a place that one cell covers
         options.periodic = {true, true, true};
         CHECK(reason(votess::tessellate(std::span<const double>(huge), options), huge) ==
-              "float64 cannot hold the volumes of the cells and the domain");
+              "float64 cannot tell whether the cells fill the domain: they are too thin, too small or too large");
         test::Coordinates coplanar = set.points;
         for (std::size_t i = 0; i < coplanar.size(); i += 3) coplanar[i] = 0.5;
         options = plain();
