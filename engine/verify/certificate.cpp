@@ -758,8 +758,8 @@ std::span<const std::int32_t> Certificate::polygons_of(std::size_t i) const {
     return std::span<const std::int32_t>(result_.face_vertices).subspan(first, last - first);
 }
 
-// Returns a vertex whose shift is not that from its original, as far as their places tell: so far out that rounding
-// hides a period they tell nothing. certain: leaves out vertices of which they do not.
+// Returns a vertex whose shift is not that from its original, by their places. certain: leaves out vertices so far away
+// that rounding hides a period.
 std::optional<std::size_t> Certificate::find_wrong_shift(bool certain) const {
     const std::span<const std::int32_t> images = result_.vertex_image_of;
     for (std::size_t v = 0; v < images.size(); ++v) {
