@@ -92,8 +92,9 @@ void LooseCell::find_tests(std::size_t seed, CornerEdges& edges) {
     edges.begin();
     for (std::size_t v = 0; v < corners; ++v) {
         const auto [a, b, c] = corner[v];
-        closed &= edges.add(a, b, static_cast<std::uint32_t>(v), c) &
-                  edges.add(b, c, static_cast<std::uint32_t>(v), a) & edges.add(c, a, static_cast<std::uint32_t>(v), b);
+        closed &= edges.add(a, b, static_cast<std::uint32_t>(v), c);
+        closed &= edges.add(b, c, static_cast<std::uint32_t>(v), a);
+        closed &= edges.add(c, a, static_cast<std::uint32_t>(v), b);
         const unsigned all_later = later[a] & later[b] & later[c];
         order[used] = static_cast<std::uint8_t>(v);
         number[v] = all_later != 0 ? static_cast<std::uint8_t>(used) : unused;
