@@ -146,7 +146,7 @@ class ArrayAttributes:
 
 {properties}
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RowFields:
     """The arrays that streams and ranks have, except the rows."""
 

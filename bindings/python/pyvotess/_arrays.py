@@ -196,7 +196,7 @@ class ArrayAttributes:
         return self._held("weights")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RowFields:
     """The arrays that streams and ranks have, except the rows."""
 

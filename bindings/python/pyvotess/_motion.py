@@ -38,7 +38,7 @@ def _ratio(a: Float64Array, b: Float64Array) -> Float64Array:
     return np.divide(a, b, out=np.zeros_like(a), where=b > 0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """The motion of P faces, one for each entry of the rows. Walls do not move.
 
@@ -72,7 +72,7 @@ def motion_of(t: SeedCells, places: Float64Array) -> Motion:
 Terms = Tuple["Int64Array", "Int64Array", "Float64Array", "Float64Array"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Polygons:
     """F faces, and S simplices that fill them: fans of triangles, in the plane one segment for each.
 

@@ -9,7 +9,7 @@ from ._arrays import RowFields
 from ._state import no_attribute
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RowArrays(RowFields):
     """Arrays of N cells, whose rows have some number of entries. Those that are not in ``want`` are None.
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._types import Float64Array, Int32Array, Int64Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ResultData:
     """The data of a result. Arrays have their names in the library, and are missing if empty."""
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ._types import BoolArray, Float64Array, Int8Array, Int32Array, Int64Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AlphaComplex:
     """Vertices, edges, triangles and tetrahedra of a Delaunay triangulation, with the values at which they appear.
 

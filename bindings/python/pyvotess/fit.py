@@ -38,7 +38,7 @@ class FitSeconds:
     total: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class VolumeFit:
     """The outcome of :func:`fit_volumes`. With a density volumes are masses."""
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .tessellation import Tessellation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frame:
     """A frame of a file: points with their ids and columns, and the domain that the file states."""
 

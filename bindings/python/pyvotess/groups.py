@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ._types import Float64Array, Int64Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Groups:
     """G groups of the cells, such as molecules or grains. ``groups.neighbors[g]`` are the groups that touch group g."""
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Masses:
     """A density integrated over the cells and their faces."""
 

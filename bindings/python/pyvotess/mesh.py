@@ -98,7 +98,7 @@ class Faces(Lists):
     """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Delaunay:
     """The dual of the cells: tetrahedra where four cells meet, convex polytopes where more meet.
 
@@ -126,7 +126,7 @@ class Delaunay:
         return f"<pyvotess.Delaunay: {len(self.tetrahedra)} {simplices}, {len(self.polytopes)} {unions}>"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NaturalCoordinates:
     """Natural-neighbor coordinates of Q queries: one weight for each entry of ``neighbors``."""
 

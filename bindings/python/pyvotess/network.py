@@ -38,7 +38,7 @@ class FreeSphere(NamedTuple):
     included: IncludedSphere  #: the largest sphere at the vertices that it reaches
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Network(WithHandle):
     """V vertices and E edges of a diagram. In a periodic domain each occurs once, not for each image.
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ._types import Float64Array, Int8Array, Int32Array, Int64Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pairs:
     """P entries of the rows, in order: ``j[k]`` is a neighbor of seed ``i[k]``."""
 

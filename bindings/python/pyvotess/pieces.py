@@ -38,7 +38,7 @@ class Piece(NamedTuple):
     sources: Int32Array  #: (T,) the triangle of the mesh, or the seed beyond the plane
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pieces:
     """The connected parts of cells in a mesh: P pieces. ``pieces[k]`` is one of them.
 

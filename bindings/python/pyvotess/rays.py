@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RayCells:
     """The cells along R rays. Those of ray r are ``seeds[offsets[r]:offsets[r + 1]]``, in order along the ray."""
 

@@ -40,7 +40,7 @@ _LEVELS = {word: level for level, word in enumerate(_ARRAYS, 1)}
 _FIGURES = ("min_angle", "mean_min_angle", "distance", "border_edges", "crowded_edges")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SurfaceCells:
     """The parts of N cells on a surface of V vertices and T triangles.
 
@@ -110,7 +110,7 @@ class SurfaceCells:
         return shared + self.borders
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SurfaceRelaxation:
     """The outcome of S steps of :func:`lloyd_on_surface`. S is smaller than requested if the tolerance was reached."""
 
@@ -124,7 +124,7 @@ class SurfaceRelaxation:
         return f"<pyvotess.SurfaceRelaxation of {counted(len(self.points), 'seed')}, {counted(len(self.moved), 'step')}: energy {first:.6g} to {last:.6g}>"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Remesh:
     """A triangle mesh from :func:`remesh`. Without triangles the angles are 0 and the distance is infinite."""
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ._types import BoolArray, Float64Array, Int32Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Zones(WithHandle):
     """Z zones of N cells, with P pairs of adjacent zones. For ``maxima`` read "highest" for lowest, "falls" for rises."""
 

@@ -1,5 +1,8 @@
 """Results: known answers, want, rows, the mesh."""
 
+import dataclasses
+import importlib.util
+import pkgutil
 import typing
 import unittest
 import warnings
@@ -233,6 +236,22 @@ class Mesh(unittest.TestCase):
                 getattr(t, name)
         with self.assertRaisesRegex(ValueError, 'set want="faces"'):
             t.delaunay()
+
+    def test_equality(self):
+        """Records with arrays are compared by identity, as arrays have no single truth value; others by their values."""
+        records = set()
+        for module in pkgutil.walk_packages(vt.__path__, "pyvotess."):
+            name = module.name.split(".")[-1]
+            needs = {"torch": ("torch",), "jax": ("jax",)}.get(name, ())
+            if name != "__main__" and all(importlib.util.find_spec(need) for need in needs):
+                found = vars(importlib.import_module(module.name)).values()
+                records.update(kind for kind in found if isinstance(kind, type) and dataclasses.is_dataclass(kind))
+        self.assertGreater(len(records), 30)
+        for kind in records:
+            held = " ".join(str(field.type) for field in dataclasses.fields(kind))
+            self.assertEqual(kind.__dataclass_params__.eq, "Array" not in held, kind)
+        fit = vt.fit_volumes(uniform(9), np.full(9, 1 / 9), box=UNIT_BOX)
+        self.assertEqual([fit == fit, fit == 3, fit in [3, fit], len({fit, fit})], [True, False, True, 1])
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 CUTS = {"corner": 0, "half": 1, "cells": 2, "none": 3}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Image:
     """A picture. Notebooks show it."""
 

@@ -31,7 +31,7 @@ _WANT = "volumes,centroids"
 _MAX_RATIO = 1e6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Relaxation:
     """The outcome of S steps of :func:`lloyd`. S is smaller than requested if the tolerance was reached."""
 

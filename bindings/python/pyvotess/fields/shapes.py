@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .._types import Float64Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shapes:
     """The shapes of N cells in d dimensions. Rows of seeds without a cell are nan."""
 

@@ -56,7 +56,7 @@ class MpiCounts:
     exact_cells: int  #: cells where exact arithmetic decided a sign
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MpiTessellation(RowArrays):
     """The N cells of a rank. Arrays are read-only views of the library's memory, and None if not in ``want``.
 

@@ -33,7 +33,7 @@ __all__ = ["StreamResult", "StreamRows", "tessellate_stream"]
 
 _STOP, _END, _GO_ON = -1, 0, 1
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StreamRows(RowArrays):
     """The cells of N consecutive seeds, from seed ``first`` on. Arrays that are not in ``want`` are None.
 
@@ -60,7 +60,7 @@ class StreamRows(RowArrays):
         return Lists(self.indptr - self.indptr[0], indices)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StreamResult:
     """The outcome of :func:`tessellate_stream`."""
 
