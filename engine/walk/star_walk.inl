@@ -1972,8 +1972,13 @@ bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
     std::array<Four, max_ties> normals;
     std::array<double, max_ties> squares;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        double h;
-        plane_through(cells_.id(cells[i]), normals[i], h, squares[i]);
+        if (const std::int32_t id = cells_.id(cells[i]); id < 0) {  // a seed on a wall has no mirror image
+            normals[i] = wall_of(id).normal;
+            squares[i] = 1;
+        } else {
+            double h;
+            plane_through(id, normals[i], h, squares[i]);
+        }
         for (std::size_t j = 0; j < i; ++j) {
             Wide across;
             cross(wide(normals[i]), wide(normals[j]), across);

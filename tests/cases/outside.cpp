@@ -126,6 +126,40 @@ TEST_SUITE("cases") {
             }
     }
 
+    // A seed on a wall has no mirror image there. With weights a bisector may pass through it, in the wall.
+    TEST_CASE("outside: bisectors that lie in walls, also of seeds on these") {
+        enum Domain { box, wall, periodic };
+        for (const Domain domain : {box, wall, periodic}) {
+            test::Random random(30 + static_cast<std::uint64_t>(domain));
+            for (std::size_t set = 0; set < test::by_size(400, 60); ++set) {
+                CAPTURE(domain);
+                CAPTURE(set);
+                Coordinates points;
+                std::vector<double> weights;
+                for (std::size_t i = 2 + random.below(9); i-- > 0;) {
+                    for (int k = 0; k < 3; ++k) points.push_back(0.5 * static_cast<double>(random.below(5)));
+                    weights.push_back(0.25 * static_cast<double>(random.below(3)));
+                }
+                votess::Box bounds{};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    bounds.lower[k] = 0.5 * static_cast<double>(random.below(2));
+                    bounds.upper[k] = bounds.lower[k] + 0.5 * static_cast<double>(1 + random.below(3));
+                }
+                Options options = test::all_options(bounds);
+                options.outside = votess::Outside::keep;
+                options.weights = weights;
+                if (domain == periodic) options.periodic[0] = true;
+                if (domain == wall) {
+                    options.walls.push_back({{1, 0, 0}, bounds.upper[0]});
+                    options.box->upper[0] += 1;
+                }
+                const auto t = votess::tessellate(points, options);
+                CHECK(votess::verify(t, points).failure == "");
+                CHECK(test::check_domain(t) == "");
+            }
+        }
+    }
+
     // The bisector of a seed and its mirror image is the wall, which has the face.
     TEST_CASE("outside: mirror images in walls are kept and have no cell") {
         for (const bool walls : {false, true}) {
