@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -44,27 +45,17 @@ public:
         }
     }
 
-    // Returns the rings of the outline, the longest one first. No ring visits a vertex twice.
+    // Returns the rings of the outline, the longest one first. No ring visits a place twice, except where others than
+    // the first would turn counterclockwise then: parts of the piece that touch in a point.
     [[nodiscard]] std::vector<Ring> rings() {
         find_outline();
-        std::vector<Ring> found;
-        std::vector<bool> used(outline_.size());
-        Ring path;
-        for (std::size_t e = 0; e < outline_.size(); ++e)
-            for (std::size_t next = e; next < outline_.size() && !used[next];) {
-                used[next] = true;
-                path.push_back(outline_[next]);
-                const std::int32_t v = path.back().to;
-                const auto begin = std::ranges::find(path, v, &OutlineEdge::from);
-                if (begin != path.end()) {
-                    Ring ring(begin, path.end());
-                    join_lines(ring);
-                    drop_points(ring);
-                    if (ring.size() > 2) found.push_back(std::move(ring));
-                    path.erase(begin, path.end());
-                }
-                next = edge_from(v, used);
-            }
+        const std::vector<OutlineEdge> outline = outline_;
+        join_places();
+        std::vector<Ring> found = split();
+        if (std::ranges::count_if(found, [&](const Ring& ring) { return area(ring) > 0; }) > 1) {
+            outline_ = outline;
+            found = split();
+        }
         std::ranges::stable_sort(found, std::ranges::greater(), [&](const Ring& ring) { return length(ring); });
         return found;
     }
@@ -88,6 +79,44 @@ private:
             if (side == sides_.end() || by_ends(back, *side)) continue;
             outline_.push_back({edge.from, edge.to, side->source, side->on_surface});
         }
+    }
+    // Ties leave vertices at one place, also where the outline touches itself. The first then stands for all.
+    void join_places() {
+        const std::vector<OutlineEdge> given = std::move(outline_);
+        std::vector<std::int32_t> order(vertices_.size() / 3);
+        std::iota(order.begin(), order.end(), 0);
+        std::ranges::stable_sort(order, {}, [&](std::int32_t v) { return place(v); });
+        std::vector<std::int32_t> first(order.size());
+        for (std::size_t k = 0; k < order.size(); ++k)
+            first[at(order[k])] = k > 0 && place(order[k]) == place(order[k - 1]) ? first[at(order[k - 1])] : order[k];
+        outline_.clear();
+        for (OutlineEdge edge : given) {
+            edge.from = first[at(edge.from)];
+            edge.to = first[at(edge.to)];
+            if (edge.from != edge.to) outline_.push_back(edge);
+        }
+        std::ranges::stable_sort(outline_, by_ends);
+    }
+    [[nodiscard]] std::vector<Ring> split() const {
+        std::vector<Ring> found;
+        std::vector<bool> used(outline_.size());
+        Ring path;
+        for (std::size_t e = 0; e < outline_.size(); ++e)
+            for (std::size_t next = e; next < outline_.size() && !used[next];) {
+                used[next] = true;
+                path.push_back(outline_[next]);
+                const std::int32_t v = path.back().to;
+                const auto begin = std::ranges::find(path, v, &OutlineEdge::from);
+                if (begin != path.end()) {
+                    Ring ring(begin, path.end());
+                    join_lines(ring);
+                    drop_points(ring);
+                    if (ring.size() > 2) found.push_back(std::move(ring));
+                    path.erase(begin, path.end());
+                }
+                next = edge_from(v, used);
+            }
+        return found;
     }
     // Returns an edge that is not used yet, or the number of edges.
     [[nodiscard]] std::size_t edge_from(std::int32_t v, const std::vector<bool>& used) const {
@@ -115,6 +144,15 @@ private:
     void drop_points(Ring& ring) const {
         std::erase_if(ring, [&](const OutlineEdge& edge) { return place(edge.from) == place(edge.to); });
         for (std::size_t e = 0; e < ring.size(); ++e) ring[e].to = ring[(e + 1) % ring.size()].from;
+    }
+    [[nodiscard]] double area(const Ring& ring) const {
+        double sum = 0;
+        const auto origin = place(ring.front().from);
+        for (const OutlineEdge& edge : ring) {
+            const auto a = place(edge.from), b = place(edge.to);
+            sum += (a[0] - origin[0]) * (b[1] - origin[1]) - (b[0] - origin[0]) * (a[1] - origin[1]);
+        }
+        return sum;
     }
     [[nodiscard]] double length(const Ring& ring) const {
         double sum = 0;

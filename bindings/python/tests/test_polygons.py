@@ -230,6 +230,25 @@ class Polygons(unittest.TestCase):
                     self.assertAlmostEqual(float(signed_area(exact(ring))), pieces.volumes[k], delta=1e-12)
                 self.assertTrue(t.verify())
 
+    def test_no_ring_visits_a_place_twice(self):
+        """Holes that touch the outline or each other in a point are rings of their own, as RFC 7946 and OGC demand."""
+        square = [(0, 0), (4, 0), (4, 4), (0, 4)]
+        triangle, pair = [[(0, 2), (2, 1), (2, 3)]], [[(1, 1), (2, 1), (2, 2), (1, 2)], [(2, 2), (3, 2), (3, 3), (2, 3)]]
+        loop = [[(1, 1), (2, 1), (1, 2)], [(2, 1), (3, 1), (2.5, 2)], [(1, 2), (2, 2.5), (1, 3)]]
+        for holes, points in itertools.product((triangle, pair, loop, triangle + [[(4, 4), (3.5, 3), (3, 3.5)]]), ([(1, 0.5)], [(1, 2.5), (3, 1)])):
+            for outline in (square, square + [(0, 2)]):
+                t = vt.tessellate(points, mesh={"type": "Polygon", "coordinates": [outline, *holes]})
+                pieces = t.pieces()
+                for k in range(len(pieces)):
+                    rings = pieces.rings(k)
+                    for ring in rings:
+                        self.assertEqual(len({tuple(place) for place in ring.tolist()}), len(ring))
+                    areas = [float(signed_area(exact(ring))) for ring in rings]
+                    self.assertEqual([area > 0 for area in areas], [True] + [False] * (len(rings) - 1))
+                    self.assertAlmostEqual(sum(areas), pieces.volumes[k], delta=1e-12)
+                if len(points) == 1:
+                    self.assertEqual([len(pieces), len(pieces.rings(0))], [1, 1 + len(holes)])
+
     def test_corners_of_polygons_keep_their_places(self):
         outline = [(0.1, 0.3), (3.7, 0.2), (4.1, 2.9), (0.7, 3.3)]
         pieces = vt.tessellate([(0.9, 0.9), (3.1, 1.7)], mesh={"type": "Polygon", "coordinates": [outline]}).pieces()
