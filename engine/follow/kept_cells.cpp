@@ -294,6 +294,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         set_frame(job);
         settled = settled && frame_ == settled_frame_;
         still_.resize(count_);
+        found_.assign(count_, 0);
         powers_.resize_uninitialized(count_);
         for_seeds([&](std::size_t s, bool stays) {
             const std::uint8_t state = state_[s].exchange(kept, std::memory_order_relaxed);
@@ -475,6 +476,7 @@ bool KeptCells::is_right(std::size_t seed, Worker& worker) {
     const KeptCell cell = this->cell(seed);
     if (cell.head().tied || !test_(frame_, seed, cell, worker.signs)) return false;
     if (may_hold(seed)) worker.over_point.push_back(seed);
+    found_[seed] |= right;
     return true;
 }
 
@@ -526,7 +528,7 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
         if (flip.id[k] < 0) continue;
         const auto seed = static_cast<std::size_t>(flip.id[k]);
         worker.loose.read(cell(seed));
-        if (flip.is_end(k)) still_[seed] |= new_faces;
+        found_[seed] = static_cast<std::uint8_t>((found_[seed] & new_faces) | (flip.is_end(k) ? new_faces : 0));
         const bool applied = flip.apply(k, order_, worker.loose);
         if (!applied) worker.loose.tied = true;
         std::byte*& at = cells_[seed];
@@ -555,8 +557,8 @@ void KeptCells::mend(std::size_t seed, Range range, Worker& worker) {
     for (std::size_t flips = 0; !worker.wrong.empty();) {
         const std::size_t s = worker.wrong.back();
         worker.wrong.pop_back();
-        const bool right = !std::exchange(is_tested, false) && is_right(s, worker);
-        if (right || !find_flip_of(s, range, worker)) continue;
+        const bool tested = std::exchange(is_tested, false);
+        if ((found_[s] & right) != 0 || (!tested && is_right(s, worker)) || !find_flip_of(s, range, worker)) continue;
         if (++flips > max_flips) {
             worker.unmended.push_back(s);
             worker.unmended.insert(worker.unmended.end(), worker.wrong.begin(), worker.wrong.end());
@@ -616,7 +618,7 @@ void KeptCells::test(ThreadPool& pool) {
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));
-            else if (!is_still(s))
+            else if ((found_[s] & right) == 0 && !is_still(s))
                 mend(s, range, worker);
         }
     });

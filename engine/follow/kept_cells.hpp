@@ -97,7 +97,7 @@ public:
     [[nodiscard]] bool covers_once();
     [[nodiscard]] bool is_kept(std::size_t seed) const { return state_[seed].load(std::memory_order_relaxed) == kept; }
     // Whether a kept cell has the faces that it had in the last call.
-    [[nodiscard]] bool has_same_faces(std::size_t seed) const { return (still_[seed] & new_faces) == 0; }
+    [[nodiscard]] bool has_same_faces(std::size_t seed) const { return (found_[seed] & new_faces) == 0; }
     [[nodiscard]] KeptRows& rows() { return rows_; }
     [[nodiscard]] std::size_t faces(std::size_t seed) const { return faces_[seed]; }  // of a stored cell
     [[nodiscard]] const SeedPlace* places() const { return places_.data(); }          // by sorted seed
@@ -187,10 +187,11 @@ private:
     // Whether the last call was a repair, so that its cells had right signs in its frame.
     bool settled_ = false;
     SignFrame settled_frame_{};
-    static constexpr std::uint8_t was_kept = 1, has_stayed = 2, new_faces = 4;
-    // By sorted seed: whether its cell was kept, whether it has not moved since, and whether a flip may have changed
-    // the faces.
-    std::vector<std::uint8_t> still_;
+    static constexpr std::uint8_t was_kept = 1, has_stayed = 2;
+    std::vector<std::uint8_t> still_;  // by sorted seed: whether its cell was kept, and whether it has not moved since
+    static constexpr std::uint8_t new_faces = 1, right = 2;
+    // By sorted seed: whether a flip may have changed the faces of its cell, and whether its signs are right as it is.
+    std::vector<std::uint8_t> found_;
     bool all_stay_ = false;
     std::vector<std::size_t> over_;  // kept cells that may be over the frame's point: one or none
     SignFrame frame_{};
