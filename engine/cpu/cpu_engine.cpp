@@ -107,6 +107,9 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     auto all_seeds = job.only ? seeds_around(job, clipper_.duplicate_of()) : nullptr;
     clipper_.lend_seeds(result_);
     result_.finish(result, clipper_.pool());
+    if (plan != Plan::none && plan != Plan::sample && !kept_.rows().are_of(result.status.size(), result.lists_walls) &&
+        job.want.neighbors && result.least_face == 0)
+        kept_.rows().store(result.indptr, result.indices, result.shifts, result.lists_walls);
     result.all_seeds = std::move(all_seeds);
     result.stats.device = "cpu";
     clipper_.end();

@@ -1,5 +1,6 @@
 // Calls with moving seeds, see follow/kept_cells.hpp.
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 #include "core/arithmetic.hpp"
@@ -8,8 +9,8 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t kept_block = 4096;  // cells in a task
-constexpr std::size_t many_cells = 2048;  // for a thread
+constexpr std::size_t kept_block = 4096, placed_block = 512;  // cells in a task
+constexpr std::size_t many_cells = 2048;                      // for a thread
 
 }  // namespace
 
@@ -34,28 +35,78 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
     if (!kept.covers_once()) return false;
     ready();
     kept_ = nullptr;
-    order_.clear();
-    for (std::size_t s = 0; s < seeds_.size(); ++s)
-        if (kept.is_kept(s)) order_.push_back(static_cast<std::int32_t>(s));
-    const std::span<std::int32_t> cells = out.allocate_cells(order_.size());
-    std::ranges::transform(order_, cells.begin(), [&](std::int32_t s) { return seeds_.input[s]; });
+    write_kept(kept, out, share);
+    return true;
+}
+
+// Rows of cells with the faces of the last call are copied, but not values of their faces.
+void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& share) {
+    const std::size_t count = seeds_.size(), tasks = ceil_div(count, kept_block);
+    const Want& want = job_.want;
+    const bool copies = want.neighbors && kept.rows().are_of(count, job_.list_walls);
+    std::vector<std::uint32_t> lengths(want.neighbors ? count : 0);  // of kept rows, in input order
+    std::vector<std::uint8_t> copied(copies ? count : 0);            // so, too
+    const bool by_cell = needs_geometry(want) || want.counts || want.normals;
+    const auto needs_row = [&](std::size_t s) { return want.neighbors && !(copies && kept.has_same_faces(s)); };
+    std::atomic<std::size_t> all_faces = 0, all_kept = 0, new_rows = 0;
     begin_workers(out);
     const Stoppable stoppable(progress_, share);
-    pool_->run_stage(ceil_div(cells.size(), kept_block), [&](std::size_t task, unsigned index) {
-        Worker& worker = *workers_[index];
-        const std::size_t begin = task * kept_block, end = std::min(cells.size(), begin + kept_block);
-        for (std::size_t k = begin; k < end; ++k) {
-            const auto seed = static_cast<std::size_t>(order_[k]);
-            worker.writer.prefetch(seed);
-            if (k + 8 < end) kept.prefetch(static_cast<std::size_t>(order_[k + 8]));
-            if (worker.writer.write(seed, kept.cell(seed))) continue;
-            finish(&clip_by_faces(seed, kept.cell(seed), worker), seed, worker);
+    pool_->run(copies ? tasks : 0, [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * kept_block; i < std::min(count, (task + 1) * kept_block); ++i) {
+            lengths[i] = kept.rows().length(i);
+            copied[i] = 1;
         }
-        worker.writer.end_block(cells.subspan(begin, end - begin));
+    });
+    pool_->run(tasks, [&](std::size_t task, unsigned) {
+        std::size_t faces = 0, cells = 0, rows = 0;
+        for (std::size_t s = task * kept_block; s < std::min(count, (task + 1) * kept_block); ++s) {
+            const bool is_kept = kept.is_kept(s), has_row = is_kept && needs_row(s);
+            cells += is_kept ? 1 : 0;
+            if (is_kept && !by_cell && !has_row) faces += kept.faces(s);  // others are counted where they are written
+            if (!want.neighbors || (is_kept && !has_row)) continue;
+            const auto i = static_cast<std::size_t>(seeds_.input[s]);
+            if (copies) copied[i] = 0;
+            lengths[i] = 0;
+            if (!has_row) continue;
+            const auto ids = kept.cell(s).ids();
+            std::size_t hidden = 0;  // walls come first
+            while (!job_.list_walls && hidden < ids.size() && ids[hidden] < 0) ++hidden;
+            lengths[i] = static_cast<std::uint32_t>(ids.size() - hidden);
+            ++rows;
+        }
+        all_faces += faces;
+        all_kept += cells;
+        new_rows += rows;
+    });
+    out.settle(lengths, *pool_);
+    pool_->run(copies ? tasks : 0, [&](std::size_t task, unsigned) {
+        const std::size_t last = std::min(count, (task + 1) * kept_block);
+        for (std::size_t begin = task * kept_block, end = begin; begin < last; begin = end) {
+            while (end < last && copied[end] == copied[begin]) ++end;
+            if (copied[begin] == 0) continue;
+            const auto [ids, shifts] = kept.rows().rows(begin, end);
+            out.place_run(begin, end, ids, shifts);
+        }
+    });
+    const std::size_t writes = by_cell || new_rows > 0 ? ceil_div(count, placed_block) : 0;
+    pool_->run_stage(writes, [&](std::size_t task, unsigned index) {
+        Worker& worker = *workers_[index];
+        const std::size_t begin = task * placed_block, end = std::min(count, begin + placed_block);
+        worker.writer.begin_placing(kept.places());
+        for (std::size_t s = begin; s < end; ++s) {
+            if (by_cell && s + 8 < end) {
+                kept.prefetch(s + 8);
+                worker.writer.prefetch(s + 8);
+            }
+            if (!kept.is_kept(s) || !(by_cell || needs_row(s))) continue;
+            if (!worker.writer.write(s, kept.cell(s), needs_row(s)))
+                finish(&clip_by_faces(s, kept.cell(s), worker), s, worker);
+        }
+        worker.writer.end_placing();
     });
     end_workers(out);
-    out.count({.kept_cells = cells.size()});
-    return true;
+    out.count({.faces = all_faces, .kept_cells = all_kept});
+    if (!copies || all_kept < count || new_rows > 0) kept.rows().clear();
 }
 
 Cell& CpuClipper::clip_by_faces(std::size_t seed, const KeptCell& cell, Worker& worker) const {

@@ -45,11 +45,13 @@ void KeptCells::clear() {
     count_ = 0;
     order_ = {};
     cells_ = {};
+    faces_ = {};
     workers_.clear();
     state_.reset();
     always_.reset();
     places_ = {};
     settled_ = false;
+    rows_ = {};
     refusals_ = skipped_ = 0;
 }
 
@@ -134,8 +136,10 @@ bool KeptCells::match(const Job& job) {
     });
     if (!matched) return false;
     complete_ = settled_ = false;  // until all is renumbered
+    rows_.clear();
     const auto& [order, number] = *matched;
     std::vector<std::byte*> cells(order.size());
+    std::vector<std::uint8_t> faces(order.size());
     Flags always = std::make_unique<std::atomic<std::uint8_t>[]>(order.size());
     Worker& worker = workers_.front();
     for (std::size_t s = 0; s < count_; ++s) {
@@ -146,6 +150,7 @@ bool KeptCells::match(const Job& job) {
         const auto to = static_cast<std::size_t>(number[s]);
         always[to].store(always_[s].load(std::memory_order_relaxed), std::memory_order_relaxed);
         std::byte* const at = cells[to] = cells_[s];
+        faces[to] = faces_[s];
         if (at == nullptr) continue;
         bool sorted = true;
         for (std::int32_t last = KeptCell::no_seed; std::int32_t & id : KeptCell::ids_of(at)) {
@@ -169,6 +174,7 @@ bool KeptCells::match(const Job& job) {
     }
     made_ += order.size() - static_cast<std::size_t>(std::ranges::count_if(number, [](auto to) { return to >= 0; }));
     cells_ = std::move(cells);
+    faces_ = std::move(faces);
     always_ = std::move(always);
     count_ = order.size();
     state_ = std::make_unique<std::atomic<std::uint8_t>[]>(count_);
@@ -288,6 +294,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         set_frame(job);
         settled = settled && frame_ == settled_frame_;
         still_.resize(count_);
+        found_.assign(count_, 0);
         powers_.resize_uninitialized(count_);
         for_seeds([&](std::size_t s, bool stays) {
             const std::uint8_t state = state_[s].exchange(kept, std::memory_order_relaxed);
@@ -299,6 +306,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         return;
     }
     settled = false;
+    rows_.clear();
     if (count_ != seeds.size()) {
         count_ = seeds.size();
         state_ = std::make_unique<std::atomic<std::uint8_t>[]>(count_);
@@ -311,6 +319,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     order_.resize_uninitialized(count_);
     places_.resize_uninitialized(count_);
     cells_.assign(count_, nullptr);
+    faces_.assign(count_, 0);
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
     for_seeds([&](std::size_t s, bool) {
         order_[s] = seeds.input[s];
@@ -383,6 +392,7 @@ void KeptCells::store(unsigned index, std::size_t seed, std::span<const std::int
     }
     if (room < bytes) at = allocate(bytes, worker);
     std::memcpy(at, scratch, bytes);
+    faces_[seed] = KeptCell(at).head().faces;
 }
 
 void KeptCells::store_large(std::size_t seed, std::span<const std::int32_t> ids) {
@@ -461,14 +471,20 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         if (!found[v]) mark_around(before, old[v]);
 }
 
-// Returns whether there is a flip that the worker may do now. Notes the cell otherwise.
-bool KeptCells::check(std::size_t seed, Range range, Worker& worker) {
+// Tests the signs of a cell.
+bool KeptCells::is_right(std::size_t seed, Worker& worker) {
+    const KeptCell cell = this->cell(seed);
+    if (cell.head().tied || !test_(frame_, seed, cell, worker.signs)) return false;
+    if (may_hold(seed)) worker.over_point.push_back(seed);
+    found_[seed] |= right;
+    return true;
+}
+
+// Returns whether there is a flip that the worker may do now, for the cell that it has just tested. Notes the cell
+// otherwise.
+bool KeptCells::find_flip_of(std::size_t seed, Range range, Worker& worker) {
     const KeptCell cell = this->cell(seed);
     SignTest& signs = worker.signs;
-    if (!cell.head().tied && test_(frame_, seed, cell, signs)) {
-        if (may_hold(seed)) worker.over_point.push_back(seed);
-        return false;
-    }
     bool elsewhere = false;  // some flip changes cells of another worker
     const auto find = [&](const KeptCell::Corner& corner, std::size_t plane) {
         for (const std::size_t f : {std::size_t{corner[0]}, std::size_t{corner[1]}, std::size_t{corner[2]}, plane}) {
@@ -512,6 +528,7 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
         if (flip.id[k] < 0) continue;
         const auto seed = static_cast<std::size_t>(flip.id[k]);
         worker.loose.read(cell(seed));
+        found_[seed] = static_cast<std::uint8_t>((found_[seed] & new_faces) | (flip.is_end(k) ? new_faces : 0));
         const bool applied = flip.apply(k, order_, worker.loose);
         if (!applied) worker.loose.tied = true;
         std::byte*& at = cells_[seed];
@@ -524,6 +541,7 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
             ++worker.grown;
         }
         std::memcpy(at, scratch, bytes);
+        faces_[seed] = KeptCell(at).head().faces;
         if (flip.has_sign(k))
             worker.wrong.push_back(seed);
         else if (may_hold(seed))
@@ -533,11 +551,14 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
 
 // Flips until the cell is right, and all that flips have changed.
 void KeptCells::mend(std::size_t seed, Range range, Worker& worker) {
+    if (is_right(seed, worker)) return;
     worker.wrong.assign(1, seed);
+    bool is_tested = true;
     for (std::size_t flips = 0; !worker.wrong.empty();) {
         const std::size_t s = worker.wrong.back();
         worker.wrong.pop_back();
-        if (!check(s, range, worker)) continue;
+        const bool tested = std::exchange(is_tested, false);
+        if ((found_[s] & right) != 0 || (!tested && is_right(s, worker)) || !find_flip_of(s, range, worker)) continue;
         if (++flips > max_flips) {
             worker.unmended.push_back(s);
             worker.unmended.insert(worker.unmended.end(), worker.wrong.begin(), worker.wrong.end());
@@ -597,7 +618,7 @@ void KeptCells::test(ThreadPool& pool) {
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));
-            else if (!is_still(s))
+            else if ((found_[s] & right) == 0 && !is_still(s))
                 mend(s, range, worker);
         }
     });

@@ -44,6 +44,7 @@
 #include "core/thread_pool.hpp"
 #include "follow/flip.hpp"
 #include "follow/kept_cell.hpp"
+#include "follow/kept_rows.hpp"
 #include "follow/loose_cell.hpp"
 #include "follow/sign_test.hpp"
 #include "index/sorted_seeds.hpp"
@@ -95,6 +96,11 @@ public:
     [[nodiscard]] bool any_equal() const;
     [[nodiscard]] bool covers_once();
     [[nodiscard]] bool is_kept(std::size_t seed) const { return state_[seed].load(std::memory_order_relaxed) == kept; }
+    // Whether a kept cell has the faces that it had in the last call.
+    [[nodiscard]] bool has_same_faces(std::size_t seed) const { return (found_[seed] & new_faces) == 0; }
+    [[nodiscard]] KeptRows& rows() { return rows_; }
+    [[nodiscard]] std::size_t faces(std::size_t seed) const { return faces_[seed]; }  // of a stored cell
+    [[nodiscard]] const SeedPlace* places() const { return places_.data(); }          // by sorted seed
     // Lets a kept cell be made again.
     void drop(std::size_t seed) { state_[seed].store(made, std::memory_order_relaxed); }
     [[nodiscard]] KeptCell cell(std::size_t seed) const { return KeptCell(cells_[seed]); }
@@ -146,7 +152,8 @@ private:
         std::uint8_t expected = kept;
         state_[static_cast<std::size_t>(id)].compare_exchange_strong(expected, pending, std::memory_order_relaxed);
     }
-    bool check(std::size_t seed, Range range, Worker& worker);
+    [[nodiscard]] bool is_right(std::size_t seed, Worker& worker);
+    bool find_flip_of(std::size_t seed, Range range, Worker& worker);
     void flip(const Flip& flip, Worker& worker);
     void mend(std::size_t seed, Range range, Worker& worker);
     // Whether the cell may be over the frame's point.
@@ -171,7 +178,8 @@ private:
     unsigned refusals_ = 0, skipped_ = 0;
     Plan plan_ = Plan::record;
     Buffer<std::int32_t> order_;
-    std::vector<std::byte*> cells_;  // by sorted seed
+    std::vector<std::byte*> cells_;    // by sorted seed
+    std::vector<std::uint8_t> faces_;  // of each
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
     Buffer<SeedPlace> places_;
@@ -181,10 +189,14 @@ private:
     SignFrame settled_frame_{};
     static constexpr std::uint8_t was_kept = 1, has_stayed = 2;
     std::vector<std::uint8_t> still_;  // by sorted seed: whether its cell was kept, and whether it has not moved since
+    static constexpr std::uint8_t new_faces = 1, right = 2;
+    // By sorted seed: whether a flip may have changed the faces of its cell, and whether its signs are right as it is.
+    std::vector<std::uint8_t> found_;
     bool all_stay_ = false;
     std::vector<std::size_t> over_;  // kept cells that may be over the frame's point: one or none
     SignFrame frame_{};
     SignTester test_ = nullptr;
+    KeptRows rows_;  // of the last call, where all its cells are stored
 };
 
 }  // namespace votess::cpu

@@ -3,6 +3,7 @@
 
 #include "domain/domain.hpp"
 #include "follow/kept_cell.hpp"
+#include "follow/sign_test.hpp"
 #include "index/seed_images.hpp"
 #include "index/sorted_seeds.hpp"
 #include "polytope/cell_shape.hpp"
@@ -12,7 +13,11 @@ namespace votess::cpu {
 class KeptPlanes final : public ExactCorners {
 public:
     explicit KeptPlanes(const SortedSeeds& seeds) : seeds_(seeds) {}
-    void begin_job(const Domain& domain) { domain_ = &domain; }
+    // places: of all sorted seeds.
+    void begin_job(const Domain& domain, const SeedPlace* places) {
+        domain_ = &domain;
+        places_ = places;
+    }
     void begin(std::size_t seed, const KeptCell& cell) {
         seed_ = seed;
         cell_ = cell;
@@ -35,7 +40,7 @@ public:
         out.planes = out.slots = static_cast<int>(ids.size());
         out.weighted = !seeds_.weights.empty();
         out.exact = this;
-        const std::array<double, 3> at{seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
+        const SeedPlace& at = places_[seed_];
         const bool moved = seeds_.images != nullptr && !seeds_.images->is_exact(seed_);
         for (std::size_t f = 0; f < ids.size(); ++f) {
             out.rank[f] = static_cast<std::uint8_t>(f);
@@ -44,20 +49,18 @@ public:
             const std::int32_t id = ids[f];
             if (id < 0) {
                 const auto axis = static_cast<std::size_t>((-1 - id) / 2);
-                plane.n[axis] = domain_->box_wall(-1 - id).wall - at[axis];
+                plane.n[axis] = domain_->box_wall(-1 - id).wall - at.x[axis];
                 continue;
             }
             const auto i = static_cast<std::size_t>(id);
             if (!moved &&
                 (seeds_.images == nullptr || (seeds_.images->is_exact(i) && cell_.shift(f) == exact::Shift{}))) {
-                plane.n[0] = 0.5 * (seeds_.x[i] - at[0]);
-                plane.n[1] = 0.5 * (seeds_.y[i] - at[1]);
-                plane.n[2] = 0.5 * (seeds_.z[i] - at[2]);
+                for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * (places_[i].x[k] - at.x[k]);
             } else {
                 const auto way = exact::differences(base_.point, this->plane(f)).x;
                 for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * way[k].high;
             }
-            if (out.weighted) plane.power = 0.25 * (seeds_.weights[seed_] - seeds_.weights[i]);
+            if (out.weighted) plane.power = 0.25 * (at.weight - places_[i].weight);
         }
         out.corners = 0;
         for (const auto& [a, b, c] : cell_.corners()) out.add_corner(a, b, c);
@@ -70,6 +73,7 @@ private:
 
     const SortedSeeds& seeds_;
     const Domain* domain_ = nullptr;
+    const SeedPlace* places_ = nullptr;
     std::size_t seed_ = 0;
     KeptCell cell_;
     SeedImages::Base base_{};

@@ -118,8 +118,11 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
         corners[v] = x;
         double margin = w - w_bound;
         if (reach2 < most) {
-            const double far = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) * (1 + 8 * u) + x_bound;
-            if (!(far * far < reach2 * margin * margin)) margin = -1;
+            const double far2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2], reach_w2 = reach2 * margin * margin;
+            if (!(4 * (far2 + x_bound * x_bound) < reach_w2)) {  // mostly not, and a root takes longer
+                const double far = std::sqrt(far2) * (1 + 8 * u) + x_bound;
+                if (!(far * far < reach_w2)) margin = -1;
+            }
         }
         out.corner_margin[v] = margin;
         wrong += !(margin > 0);

@@ -47,7 +47,6 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span
     want_ = job.want;
     walls_ = job.list_walls;
     domain_ = job.domain.get();
-    kept_planes_.begin_job(*domain_);
     kept_ = nullptr;
     only_ = job.only.get();
     probe_number_ = job.probes_of.value_or(0);
@@ -65,6 +64,9 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, std::span
     const Vector3 diagonal = minus(box.upper, box.lower);
     tally_.begin(4 * dot(diagonal, diagonal));
     in_parts_ = out.has_parts();
+    placing_ = false;
+    new_rows_.clear();
+    new_values_.clear();
     clear_rows();
     // As long as in an earlier job.
     if (want_.areas) areas_.resize_uninitialized(room_);
@@ -178,7 +180,7 @@ void CellWriter::store(std::size_t seed, Star& star) {
     if (!star.faces().empty()) store(star.shape(std::span(ranks_).first(ranked_ids_.size())), star.met_tie());
 }
 
-bool CellWriter::write(std::size_t seed, const KeptCell& cell) {
+bool CellWriter::write(std::size_t seed, const KeptCell& cell, bool with_row) {
     set_output(seed);
     const auto ids = cell.ids();
     const std::size_t count = ids.size(), corners = cell.corners().size();
@@ -208,7 +210,7 @@ bool CellWriter::write(std::size_t seed, const KeptCell& cell) {
     hidden_ = walls_ ? 0 : wall_faces_;
     if (measured_) write_measures();
     counters_.faces += count;
-    if (want_.neighbors) write_row();
+    if (want_.neighbors) place_row(with_row);
     write_counts(count, static_cast<std::uint32_t>(3 * corners / 2), static_cast<std::uint32_t>(corners));
     return true;
 }
@@ -396,7 +398,50 @@ void CellWriter::rank_labels() {
     for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
 }
 
+void CellWriter::place_row(bool with_ids) {
+    const std::size_t faces = ranked_ids_.size(), listed = faces - hidden_;
+    const auto begin = [&](PlacedRows& rows) {
+        rows.cells.push_back(static_cast<std::int32_t>(output_));
+        rows.lengths.push_back(static_cast<std::uint32_t>(listed));
+    };
+    const auto for_listed = [&](auto visit) {  // a face and its entry
+        for (std::size_t f = 0; f < faces; ++f)
+            if (ranks_[f] >= hidden_) visit(f, ranks_[f] - hidden_);
+    };
+    const auto grow = [&](auto& values, std::size_t components) {
+        values.resize(values.size() + components * listed);
+        return values.data() + values.size() - components * listed;
+    };
+    if (with_ids) {
+        begin(new_rows_);
+        std::int32_t* const ids = grow(new_rows_.ids, 1);
+        for_listed([&](std::size_t f, std::size_t entry) { ids[entry] = names_[f]; });
+        std::int8_t* const shifts = periodic_ ? grow(new_rows_.shifts, 3) : nullptr;
+        if (shifted_) for_listed([&](std::size_t f, std::size_t entry) { narrow(shift_of(f), shifts + 3 * entry); });
+    }
+    if (!want_.areas && !want_.normals) return;
+    begin(new_values_);
+    const MeasureUnit unit = unit_of_cell();
+    double *const areas = want_.areas ? grow(new_values_.areas, 1) : nullptr, *const normals =
+                                                                                  want_.normals
+                                                                                      ? grow(new_values_.normals, 3)
+                                                                                      : nullptr;
+    for (std::size_t k = 0; k < listed && want_.areas; ++k) areas[k] = unit.area(face_areas_[hidden_ + k]);
+    if (want_.normals)
+        for_listed([&](std::size_t f, std::size_t entry) { std::ranges::copy(face_normals_[f], normals + 3 * entry); });
+}
+
+void CellWriter::end_placing() {
+    const auto& [cells, ids, lengths, areas, normals, shifts] = new_rows_;
+    out_->place_each(cells, lengths, ids, {{}, {}, shifts});
+    out_->place_each(new_values_.cells, new_values_.lengths, {}, {new_values_.areas, new_values_.normals, {}});
+    new_rows_.clear();
+    new_values_.clear();
+    placing_ = false;
+}
+
 void CellWriter::write_row() {
+    if (placing_) return place_row(true);
     const std::size_t faces = ranked_ids_.size(), count = faces - hidden_;
     if (entries_ + faces > room_) grow(entries_ + faces);
     const std::size_t begin = entries_;

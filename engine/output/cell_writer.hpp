@@ -58,8 +58,16 @@ public:
         write(cell);
     }
     void write_none(std::size_t output, CellStatus status);
-    // Writes a kept cell of a seed. Returns false if its geometry lacks the promised digits.
-    [[nodiscard]] bool write(std::size_t seed, const KeptCell& cell);
+    // After ResultBuilder::settle(): rows of the following cells go to their places at end_placing(). places: of
+    // kept cells.
+    void begin_placing(const SeedPlace* places) {
+        placing_ = true;
+        kept_planes_.begin_job(*domain_, places);
+    }
+    void end_placing();
+    // Writes a kept cell of a seed, with its row or only with the values of faces. Returns false if its geometry lacks
+    // the promised digits.
+    [[nodiscard]] bool write(std::size_t seed, const KeptCell& cell, bool with_row);
     // Stores the last cell that `star` built, without writing it.
     void store(std::size_t seed, Star& star);
     // Stores the following cells of seeds there, as this worker of it. Null: nowhere.
@@ -137,6 +145,8 @@ private:
     [[nodiscard]] exact::Shift shift_of(std::size_t face) const;
     // Writes in the order of rank_faces(). face_normals_ is in the order of the faces.
     void write_row();
+    // with_ids: else they are placed already.
+    void place_row(bool with_ids);
     void write_steps(Rows& rows);
     void grow(std::size_t entries);
     void clear_rows();
@@ -156,7 +166,7 @@ private:
     MeasureUnit unit_;
     CellCounters counters_;
     FaceTally tally_;
-    bool in_parts_ = false;
+    bool in_parts_ = false, placing_ = false;
     std::array<Rows, ResultBuilder::max_parts> rows_;  // since end_rows(): by part, or all in the first
     std::size_t written_ = 0;                          // cells since then
     std::size_t entries_ = 0, room_ = 0;               // of the rows; arrays below have room for so many
@@ -188,6 +198,19 @@ private:
     std::vector<std::uint32_t> ranks_;
     std::size_t wall_faces_ = 0;  // of the cell; they come first
     std::size_t hidden_ = 0;      // faces that rows do not list: none, or the walls
+    struct PlacedRows {
+        std::vector<std::int32_t> cells, ids;
+        std::vector<std::uint32_t> lengths;
+        std::vector<double> areas, normals;
+        std::vector<std::int8_t> shifts;
+        void clear() {
+            for (auto* values : {&cells, &ids}) values->clear();
+            for (auto* values : {&areas, &normals}) values->clear();
+            lengths.clear();
+            shifts.clear();
+        }
+    };
+    PlacedRows new_rows_, new_values_;  // ids and shifts; areas and normals
     std::vector<FaceLabel> labels_;
     std::vector<std::uint32_t> order_;
 };

@@ -441,7 +441,7 @@ void ResultBuilder::place_values(std::span<const double> Block::*values, Arena& 
     const bool is_new = make_room(array, components, false, pool);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
         const double* from = (blocks_[index].*values).data();
-        for_rows(blocks_[index], array, components, [&](std::size_t begin, std::size_t length) {
+        for_rows(blocks_[index].cells, array, components, [&](std::size_t, std::size_t begin, std::size_t length) {
             std::copy_n(from, components * length, array.data() + components * begin);
             from += components * length;
         });
@@ -518,6 +518,38 @@ void ResultBuilder::place_rows(std::size_t first, std::span<const std::uint32_t>
     if (entry != ids.size()) bug("rows and their lengths differ in size");
 }
 
+void ResultBuilder::place_run(std::size_t first, std::size_t end, std::span<const std::int32_t> ids,
+                              std::span<const std::int8_t> shifts) {
+    if (!settled_ || end >= result_.indptr.size()) bug("rows are placed before settle(), or beyond the last cell");
+    const auto begin = static_cast<std::size_t>(result_.indptr[first]);
+    if (static_cast<std::size_t>(result_.indptr[end]) - begin != ids.size())
+        bug("rows and their lengths differ in size");
+    if (shifts.size() != (want_shifts_ ? 3 * ids.size() : 0)) bug("rows and their shifts differ in size");
+    std::ranges::copy(ids, result_.indices.data() + begin);
+    std::ranges::copy(shifts, result_.shifts.data() + 3 * begin);
+}
+
+void ResultBuilder::place_each(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                               std::span<const std::int32_t> ids, const RowValues& values) {
+    const std::size_t size = sum_of(lengths);
+    if (!settled_ || cells.size() != lengths.size() || (!ids.empty() && ids.size() != size))
+        bug("rows are placed before settle(), or differ from their lengths in size");
+    const auto place = [&](auto from, auto& array, std::size_t components) {
+        if (from.empty()) return;
+        if (from.size() != components * size) bug("rows and their values differ in size");
+        const auto* next = from.data();
+        for_rows(cells, array, components, [&](std::size_t k, std::size_t begin, std::size_t length) {
+            if (length != lengths[k]) bug("a row differs from its announced length");
+            std::copy_n(next, components * length, array.data() + components * begin);
+            next += components * length;
+        });
+    };
+    place(ids, result_.indices, 1);
+    place(values.areas, result_.face_areas, 1);
+    place(values.normals, result_.face_normals, 3);
+    place(values.shifts, result_.shifts, 3);
+}
+
 void ResultBuilder::copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
                                  std::size_t count) {
     std::copy_n(ids + from, count, result_.indices.data() + to);
@@ -527,10 +559,10 @@ void ResultBuilder::copy_entries(const std::int32_t* ids, const RowValues& value
 }
 
 template <class T, class Place>
-void ResultBuilder::for_rows(const Block& block, const Buffer<T>& array, std::size_t components, Place place) const {
+void ResultBuilder::for_rows(std::span<const std::int32_t> cells, const Buffer<T>& array, std::size_t components,
+                             Place place) const {
     constexpr std::size_t usual_length = 15;
     const std::int64_t* const indptr = result_.indptr.data();
-    const auto cells = block.cells;
     for (std::size_t k = 0; k < cells.size(); ++k) {
         // The engine's order is not the input's, so each row is somewhere else in memory.
         if (k + 2 * lookahead < cells.size()) __builtin_prefetch(indptr + cells[k + 2 * lookahead]);
@@ -540,7 +572,8 @@ void ResultBuilder::for_rows(const Block& block, const Buffer<T>& array, std::si
             __builtin_prefetch(next + components * usual_length, 1);
         }
         const std::int64_t begin = indptr[cells[k]];
-        place(static_cast<std::size_t>(begin), static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin));
+        place(k, static_cast<std::size_t>(begin),
+              static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin));
     }
 }
 
@@ -548,11 +581,11 @@ void ResultBuilder::place_ids(const Block& block) {
     std::int32_t* const indices = result_.indices.data();
     NearReader near(block.near);
     const std::int32_t* ids = block.ids.data();
-    const auto each = [&](auto place) { for_rows(block, result_.indices, 1, place); };
+    const auto each = [&](auto place) { for_rows(block.cells, result_.indices, 1, place); };
     if (block.ids.empty())
-        each([&](std::size_t begin, std::size_t length) { near.read(indices + begin, length); });
+        each([&](std::size_t, std::size_t begin, std::size_t length) { near.read(indices + begin, length); });
     else
-        each([&](std::size_t begin, std::size_t length) {
+        each([&](std::size_t, std::size_t begin, std::size_t length) {
             std::copy_n(ids, length, indices + begin);
             ids += length;
         });

@@ -105,6 +105,12 @@ public:
     // thread, after settle().
     void place_rows(std::size_t first, std::span<const std::uint32_t> lengths, std::span<const std::int32_t> ids,
                     const RowValues& values = {});
+    // The same for all rows from one cell to another, without values except shifts, which follow or are not requested.
+    void place_run(std::size_t first, std::size_t end, std::span<const std::int32_t> ids,
+                   std::span<const std::int8_t> shifts);
+    // The same for cells anywhere, without what is empty.
+    void place_each(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                    std::span<const std::int32_t> ids, const RowValues& values);
 
     // Settles if needed, and fills the result except stats.device and stats.seconds. The builder keeps its own memory
     // for the next begin(), but no array of the result.
@@ -146,9 +152,10 @@ private:
     // Both, for all entries.
     template <class T>
     bool make_room(Buffer<T>& array, std::size_t components, bool is_last, ThreadPool& pool);
-    // Calls place(begin, length) for the rows of a block: their entries in the result. Prefetches those of `array`.
+    // Calls place(k, begin, length) for the rows of cells: their entries in the result. Prefetches those of `array`.
     template <class T, class Place>
-    void for_rows(const Block& block, const Buffer<T>& array, std::size_t components, Place place) const;
+    void for_rows(std::span<const std::int32_t> cells, const Buffer<T>& array, std::size_t components,
+                  Place place) const;
     void place_values(std::span<const double> Block::*values, Arena& memory, Buffer<double>& array,
                       std::size_t components, ThreadPool& pool);
     void place_shifts(ThreadPool& pool);

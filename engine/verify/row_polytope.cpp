@@ -291,12 +291,17 @@ void RowPolytope::begin_corners() {
 
 void RowPolytope::take_fans() {
     faces_.assign(names_.size(), 1);
-    edges_.clear();
+    edges_.resize(3 * fans_.size() / 2 + 1);
+    Edge* edge = edges_.data();
+    // Which end is lower is hard to foretell, so there is no branch.
     for (int v = 0; v < static_cast<int>(fans_.size()); ++v) {
         const Fan& fan = fans_[at(v)];
-        for (std::size_t k = 0; k < 3; ++k)
-            if (v < fan.after(k)) edges_.push_back({v, fan.after(k), fan.plane(k), fan.plane(k == 0 ? 2 : k - 1)});
+        for (std::size_t k = 0; k < 3; ++k) {
+            *edge = {v, fan.after(k), fan.plane(k), fan.plane(k == 0 ? 2 : k - 1)};
+            edge += v < fan.after(k) ? 1 : 0;
+        }
     }
+    edges_.resize(static_cast<std::size_t>(edge - edges_.data()));
 }
 
 bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
