@@ -10,6 +10,7 @@
 #include "exact/integer/rows.hpp"
 #include "exact/integer/vertex.hpp"
 #include "exact/integer/wide_int.hpp"
+#include "exact/pair_vertex.hpp"
 #include "exact/wide_float.hpp"
 
 namespace votess::exact {
@@ -251,7 +252,10 @@ int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, 
 int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
     std::array<WordRow, 4> rows;
     const int bits = word_rows(p, {&a, &b, &c, &d}, rows);
-    if (bits == 0) return side_of_any(p, a, b, c, d);
+    if (bits == 0) {
+        const int side = PairVertex(p, a, b, c).side(d);
+        return side != 0 ? side : side_of_any(p, a, b, c, d);
+    }
     auto side = [&]<class N>(N) {
         return side_of_rows(row_of<N, N>(rows[0], a), row_of<N, N>(rows[1], b), row_of<N, N>(rows[2], c),
                             row_of<N, N>(rows[3], d));

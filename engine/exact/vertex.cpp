@@ -155,14 +155,14 @@ bool ExactVertex::solve() {
 }
 
 int ExactVertex::side(const Plane& d) {
-    if (!usable_ || !in_two_doubles(p_, d)) return side_of_any(p_, a_, b_, c_, d);
+    if (!usable_ || !in_two_doubles(p_, d)) return side_of_wide(d);
     FloatRow row = float_row(p_, d, unit_, per_unit_);
     if (!row.whole) {
         if (refine(d)) {
             usable_ = solve();
             row = float_row(p_, d, unit_, per_unit_);
         }
-        if (!usable_ || !row.whole) return side_of_any(p_, a_, b_, c_, d);
+        if (!usable_ || !row.whole) return side_of_wide(d);
     }
     if (sign_ != 0) {
         const double excess = row.n[0] * v_[0] + row.n[1] * v_[1] + row.n[2] * v_[2] - row.s * determinant_;
@@ -171,6 +171,12 @@ int ExactVertex::side(const Plane& d) {
         if (std::abs(excess) > rounding * bound || bound <= exact_limit) return sign_of(excess) * sign_;
     }
     return side_integers(d);
+}
+
+int ExactVertex::side_of_wide(const Plane& d) {
+    if (!pairs_) pairs_.emplace(p_, a_, b_, c_);
+    const int side = pairs_->side(d);
+    return side != 0 ? side : side_of_any(p_, a_, b_, c_, d);
 }
 
 void ExactVertex::solve_integers() {
@@ -184,7 +190,7 @@ void ExactVertex::solve_integers() {
 int ExactVertex::side_integers(const Plane& d) {
     if (state_ == State::unknown) solve_integers();
     IntRow row;
-    if (state_ == State::too_wide || !int_row(p_, d, per_unit_, row)) return side_of_any(p_, a_, b_, c_, d);
+    if (state_ == State::too_wide || !int_row(p_, d, per_unit_, row)) return side_of_wide(d);
     return integers_.side(row);
 }
 

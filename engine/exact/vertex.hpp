@@ -11,7 +11,10 @@
 // first need.
 #pragma once
 
+#include <optional>
+
 #include "exact/integer/vertex.hpp"
+#include "exact/pair_vertex.hpp"
 #include "exact/predicate.hpp"
 
 namespace votess::exact {
@@ -31,18 +34,20 @@ private:
     bool refine(const Plane& plane);  // makes the quantum divide the plane's differences; false beyond its range
     void solve_integers();
     int side_integers(const Plane& d);
+    int side_of_wide(const Plane& d);  // for numbers that these integers do not hold
 
     Point p_;
     Plane a_, b_, c_;
     int exponent_ = 0;  // differences of a, b, c are below 2^exponent
     int quantum_ = 0;
     double unit_ = 0, per_unit_ = 0;  // 2^quantum, 2^-quantum
-    bool usable_ = false;             // false: side_of_any() decides
+    bool usable_ = false;             // false: side_of_wide() decides
     int sign_ = 0;                    // of D; 0 while unknown
     double determinant_ = 0, determinant_bound_ = 0;
     std::array<double, 3> v_{}, v_bound_{};
     State state_ = State::unknown;
     IntVertex integers_;
+    std::optional<PairVertex> pairs_;
 };
 
 }  // namespace votess::exact

@@ -49,6 +49,7 @@ private:
     static constexpr int max_picks = 256;             // planes tried for one vertex
     static constexpr int max_starts = 8;
     static constexpr int max_owners = 64;        // of places of a cell beside its seed
+    static constexpr int max_done_groups = 256;  // whose done seeds are tested for a place
     static constexpr float parallel = 0x1p-18f;  // a ray that is nearly parallel to a plane does not leave it
     static constexpr int max_new_seeds = 24;     // seeds added at once from beyond the window
     static constexpr int max_ties = 64;
@@ -282,7 +283,7 @@ private:
     [[nodiscard]] int nearest_vertex(std::array<double, 3>& place) const;
     [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& place,
                                         const std::array<const CellPlane*, 3>& skipped);
-    [[nodiscard]] std::int32_t done_owner_of(const std::array<double, 3>& place);
+    [[nodiscard]] std::optional<std::int32_t> done_owner_of(const std::array<double, 3>& place);
     template <class Visit>
     bool for_done_seeds(const Ball& ball, Visit visit);
     [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);

@@ -522,7 +522,11 @@ bool StarWalk<Isa>::begin_outside() {
         std::array<const CellPlane*, 3> planes{};
         if (at_vertex) planes = probe_.corner_planes(nearest_vertex(at));
         std::int32_t owner = owner_of(at, planes);
-        if (owner < 0 && !at_vertex) owner = done_owner_of(at);
+        if (owner < 0 && !at_vertex) {
+            const std::optional<std::int32_t> done = done_owner_of(at);
+            if (!done) return false;
+            owner = *done;
+        }
         if (owner >= 0 && probe_.clip(owner, exact_plane(owner))) {
             if (!probe_.empty()) continue;
         } else if (at_vertex && owner >= 0) {
@@ -569,19 +573,21 @@ int StarWalk<Isa>::nearest_vertex(std::array<double, 3>& place) const {
     return nearest;
 }
 
-// Returns a done seed whose power at a place relative to the seed is less than that of the seed, about, or -1.
+// Returns a done seed whose power at a place relative to the seed is less than that of the seed, about, or -1. Returns
+// nothing where very many may have.
 template <class Isa>
-std::int32_t StarWalk<Isa>::done_owner_of(const std::array<double, 3>& place) {
+std::optional<std::int32_t> StarWalk<Isa>::done_owner_of(const std::array<double, 3>& place) {
     Four x = move_;
     for (std::size_t k = 0; k < 3; ++k) x.x[k] += place[k] * scale_;
     std::int32_t owner = -1;
-    for_done_seeds(ball_around(x, dot(wide(x), wide(x))), [&](std::int32_t id) {
+    const bool ended = for_done_seeds(ball_around(x, dot(wide(x), wide(x))), [&](std::int32_t id) {
         Four n;
         double h, square;
         plane_through(id, n, h, square);
         if (dot(wide(n), wide(x)) > h) owner = id;
         return owner >= 0;
     });
+    if (ended && owner < 0) return std::nullopt;
     return owner;
 }
 
@@ -667,10 +673,12 @@ unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest&
     return inside;
 }
 
-// Calls visit(id) for the done seeds in groups near a ball, until it returns true. Returns whether it has.
+// Calls visit(id) for the done seeds in groups near a ball, until it returns true or the groups are very many, as where
+// all cells meet in a place. Returns whether it ended so.
 template <class Isa>
 template <class Visit>
 bool StarWalk<Isa>::for_done_seeds(const Ball& ball, Visit visit) {
+    int groups = 0;
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
@@ -685,6 +693,7 @@ bool StarWalk<Isa>::for_done_seeds(const Ball& ball, Visit visit) {
                 nodes_[nodes++] = {level - 1, child};
                 continue;
             }
+            if (++groups > max_done_groups) return true;
             for (std::size_t i = begin; i < end; ++i)
                 if (cells_.holds(static_cast<std::int64_t>(i)) && cells_.done(i) && visit(static_cast<std::int32_t>(i)))
                     return true;
@@ -698,6 +707,7 @@ bool StarWalk<Isa>::for_done_seeds(const Ball& ball, Visit visit) {
 // cell is empty or the clipper must decide.
 template <class Isa>
 bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, const Four& x) {
+    empty_ = false;
     return for_done_seeds(ball_around(x, third.length2), [&](std::int32_t id) {
         const int side = side_of(id, three, third, x);
         empty_ = side > 0;
