@@ -52,7 +52,10 @@ public:
     // Returns the cell of a seed if few owners of its middle leave it empty, else nullptr. For power diagrams.
     Cell* build_if_hidden(std::size_t seed);
     // Forgets the owners that buried the last seeds, so that cells do not depend on other blocks.
-    void forget_owners() { owners_.clear(); }
+    void forget_owners() {
+        owners_.clear();
+        next_owner_ = 0;
+    }
     // Builds the cell of a seed, clipped by planes first. Guards are relative to the place of the seed as given. Their
     // ids in the cell are places() + 1 and so on.
     Cell& build(std::size_t seed, std::span<const exact::Plane> guards);
