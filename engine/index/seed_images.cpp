@@ -22,7 +22,7 @@ constexpr double fraction_slack = 1e-9;
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 constexpr double max_wide_images_per_seed = 64, max_wide_images = 0x1p22;
 constexpr double least_widening = 1.25;  // less is not worth another sort
-constexpr double longer_cells = 1.4;     // where weights move them, they also stretch them
+constexpr double longer_cells = 2;       // where weights move them, they also stretch them
 constexpr double max_images_beside = 2;  // for cells beside their seeds
 
 // Returns an estimate of the distance of cells from their seeds: half of the slope of the weights, from a sample of
