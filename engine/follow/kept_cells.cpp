@@ -20,6 +20,8 @@ constexpr std::size_t max_tested = 512, min_sample = 32, sample_share = 256, max
 // Shares of cells, from which on a fresh call is faster: those of a sample that have wrong signs, those of it that must
 // be made again, and all pending ones.
 constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
+// Seeds without a cell are made again, but not their neighbors: so much costs one of them, in cells with wrong signs.
+constexpr double cost_of_hidden = 2;
 // Going on costs less than beginning.
 constexpr double gain_of_stored = 1.25;
 // Power cells beside their seeds take several times as long to find.
@@ -192,7 +194,7 @@ bool KeptCells::sample_pays(const Job& job) {
         before.emplace_back(s, places_[s]);
         places_[s] = place_of(job, static_cast<std::size_t>(order_[s]));
     };
-    std::size_t tested = 0, wrong = 0, made = 0, beside = 0;
+    std::size_t tested = 0, wrong = 0, made = 0, hidden = 0, beside = 0;
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step = complete_ ? std::max<std::size_t>(1, count_ / max_tested) : sample_step_;
@@ -201,7 +203,8 @@ bool KeptCells::sample_pays(const Job& job) {
     const auto update = [&] {
         const double share =
             std::lerp(max_wrong, max_wrong_beside, static_cast<double>(beside) / static_cast<double>(tested));
-        cost = static_cast<double>(wrong) + static_cast<double>(made) * (share / max_made);
+        cost = static_cast<double>(wrong) + static_cast<double>(hidden) * cost_of_hidden +
+               static_cast<double>(made) * (share / max_made);
         expected = share * static_cast<double>(total) * (complete_ ? gain_of_stored : 1);
         expected += std::sqrt(expected);  // by chance
     };
@@ -210,7 +213,8 @@ bool KeptCells::sample_pays(const Job& job) {
             ++tested;
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied) {
-                ++made;
+                const bool is_hidden = frame_.weighted && !cell.exists() && faces_[s] == 0;
+                ++(is_hidden ? hidden : made);
                 continue;
             }
             place(s);
@@ -401,6 +405,7 @@ void KeptCells::store_large(std::size_t seed, std::span<const std::int32_t> ids)
         for (const std::int32_t id : before.ids()) mark(id);
     }
     cells_[seed] = nullptr;
+    faces_[seed] = ids.empty() ? 0 : std::numeric_limits<std::uint8_t>::max();
     for (const std::int32_t id : ids) {
         if (id < 0) continue;
         mark(id);

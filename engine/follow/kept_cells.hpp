@@ -179,7 +179,7 @@ private:
     Plan plan_ = Plan::record;
     Buffer<std::int32_t> order_;
     std::vector<std::byte*> cells_;    // by sorted seed
-    std::vector<std::uint8_t> faces_;  // of each
+    std::vector<std::uint8_t> faces_;  // of each; 0 of a seed without a cell, the most of one that is too large
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
     Buffer<SeedPlace> places_;
