@@ -28,24 +28,20 @@ using Table = std::vector<TableColumn>;
 // Faces of 3, 4, 5, 6, and of 7 or more edges.
 constexpr std::size_t index_parts = 5;
 
-template <class Number>
-TableColumn of_numbers(std::string name, std::span<const Number> values, std::size_t width = 1) {
-    constexpr char type = std::is_floating_point_v<Number> ? 'R' : 'I';
+// value: returns a number by its place in the column.
+template <class Value>
+TableColumn of_numbers(std::string name, std::size_t width, Value value) {
+    constexpr char type = std::is_floating_point_v<decltype(value(std::size_t{}))> ? 'R' : 'I';
     return {std::move(name), type, width, [=](OutputBuffer& row, std::size_t i, char between) {
                 for (std::size_t k = 0; k < width; ++k) {
                     if (k > 0) row.put(between);
-                    row.put_number(values[width * i + k]);
+                    row.put_number(value(width * i + k));
                 }
             }};
 }
-
-TableColumn of_integers(const InputColumn& column) {
-    return {column.name, 'I', column.width, [&column](OutputBuffer& row, std::size_t i, char between) {
-                for (std::size_t k = 0; k < column.width; ++k) {
-                    if (k > 0) row.put(between);
-                    row.put_number(column.integer(column.width * i + k));
-                }
-            }};
+template <class Number>
+TableColumn of_numbers(std::string name, std::span<const Number> values, std::size_t width = 1) {
+    return of_numbers(std::move(name), width, [=](std::size_t k) { return values[k]; });
 }
 
 // Returns the centroids beside the listed points, which may lie outside of a periodic domain: the result has those of
@@ -90,16 +86,14 @@ double coordinate(const OutputData& data, std::size_t i, std::size_t axis) {
 // Adds the columns x, y and z, or fewer.
 void add_coordinates(const OutputData& data, std::size_t count, Table& table) {
     for (std::size_t k = 0; k < count; ++k)
-        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, char) {
-                             row.put_number(coordinate(data, i, k));
-                         }});
+        table.push_back(
+            of_numbers(std::string(1, "xyz"[k]), 1, [&data, k](std::size_t i) { return coordinate(data, i, k); }));
 }
 
 TableColumn ids_of(const OutputData& data, std::int64_t first) {
-    const std::vector<std::int64_t>& ids = data.input.ids;
-    return {"id", 'I', 1, [&ids, first](OutputBuffer& row, std::size_t i, char) {
-                row.put_number(ids.empty() ? static_cast<std::int64_t>(i) + first : ids[i]);
-            }};
+    return of_numbers("id", 1, [&ids = data.input.ids, first](std::size_t i) {
+        return ids.empty() ? static_cast<std::int64_t>(i) + first : ids[i];
+    });
 }
 
 // Returns a text as a field of .csv: in quotes if it holds a mark, a quote, a blank or a line end (RFC 4180).
@@ -133,9 +127,7 @@ Table results_of(const OutputData& data) {
     });
     Table of_rows;
     if (wanted.neighbors)
-        of_rows.push_back({"neighbors", 'I', 1, [&cells](OutputBuffer& row, std::size_t i, char) {
-                               row.put_number(neighbors_of(cells, i));
-                           }});
+        of_rows.push_back(of_numbers("neighbors", 1, [&cells](std::size_t i) { return neighbors_of(cells, i); }));
     // Faces that reach infinity have no number of edges, so no cell of such a domain has an index.
     const auto reaches_infinity = [](double bound) { return std::isinf(bound); };
     const bool endless = std::ranges::any_of(cells.box().lower, reaches_infinity) ||
@@ -154,7 +146,8 @@ void add_carried(const OutputData& data, Table& table) {
         };
         const bool named = column.name == "species" && (has("element") || has("type"));
         if (named || has(column.name)) continue;  // the radius, or the species of the seeds
-        table.push_back(column.of_integers     ? of_integers(column)
+        const auto integer = [&column](std::size_t k) { return column.integer(k); };
+        table.push_back(column.of_integers     ? of_numbers(column.name, column.width, integer)
                         : column.words.empty() ? of_numbers(column.name, std::span(column.values), column.width)
                                                : words(column.name, column.words));
     }

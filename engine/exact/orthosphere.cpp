@@ -172,39 +172,10 @@ Orthosphere<K> orthosphere_in(const Point& seed, double weight, const std::array
     return sphere;
 }
 
-// Returns the sphere of a lattice: without weights, and with differences below 2^7 units. Then coordinates are below
-// 324 * 2^42 units, and all products whole numbers that a double holds.
-template <std::size_t K>
-std::optional<Orthosphere<K>> lattice_orthosphere(const Point& seed, double weight,
-                                                  const std::array<Plane, K>& bisectors) {
-    if (weight != 0) return {};
-    std::array<Vector3, K> n;
-    BitRange range;
-    for (std::size_t i = 0; i < K; ++i) {
-        if (bisectors[i].has_power()) return {};
-        const Differences d = differences(seed, bisectors[i]);
-        if (!d.exact) return {};
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (d.x[k].low != 0) return {};
-            n[i][k] = d.x[k].high;
-        }
-        range.add(n[i]);
-    }
-    if (range.span() > 7) return {};
-    std::array<double, K> s;
-    for (std::size_t i = 0; i < K; ++i) {
-        for (double& x : n[i]) x = std::ldexp(x, -range.quantum());
-        s[i] = dot(n[i], n[i]);
-    }
-    const Terms<K> terms = terms_of(n, s);
-    return Orthosphere<K>{std::ldexp(terms.numerator / terms.denominator, 2 * range.quantum()), signs_of(terms, 0, 0)};
-}
-
 }  // namespace
 
 template <std::size_t K>
 Orthosphere<K> orthosphere(const Point& seed, double weight, const std::array<Plane, K>& bisectors) {
-    if (const auto sphere = lattice_orthosphere(seed, weight, bisectors)) return *sphere;
     Plane own;  // for the range of the weight
     own.power.high = weight;
     BitRange range;

@@ -16,7 +16,9 @@
 namespace votess::exact {
 namespace {
 
-// Cramer, as in vertex.hpp. Width: with |N| < 2^b, minors < 2^(2b+1), D < 2^(3b+3), S < 2^(2b+2), the sum < 2^(5b+6.2).
+// Cramer: X = V / (2 D) with V = Sa (Nb x Nc) + Sb (Nc x Na) + Sc (Na x Nb), D = Na.(Nb x Nc). X lies outside d when
+// Nd.V - Sd D has the sign of D. Width: with |N| < 2^b, minors < 2^(2b+1), D < 2^(3b+3), S < 2^(2b+2), the sum <
+// 2^(5b+6.2).
 template <class R>
 int side_of_rows(const R& a, const R& b, const R& c, const R& d) {
     const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);

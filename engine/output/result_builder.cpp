@@ -12,6 +12,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/errors.hpp"
+#include "core/sum.hpp"
 #include "core/system.hpp"
 #include "core/vector3.hpp"
 #include "input/settled.hpp"
@@ -44,25 +45,12 @@ void fill(Buffer<T>& buffer, std::size_t count, T value, ThreadPool& pool) {
     });
 }
 
-// Kahan: 1e9 volumes sum to the last digits. Several sums side by side, because each waits for its own last addition.
+// So 1e9 volumes sum to the last digits.
 double accurate_sum(std::span<const double> values) {
-    constexpr std::size_t lanes = 8;
-    double sum[lanes]{}, lost[lanes]{};
-    const auto add = [&](std::size_t k, double value) {
-        const double y = value - lost[k], t = sum[k] + y;
-        lost[k] = (t - sum[k]) - y;
-        sum[k] = t;
-    };
-    std::size_t i = 0;
-    for (; i + lanes <= values.size(); i += lanes)
-        for (std::size_t k = 0; k < lanes; ++k) add(k, values[i + k]);
-    for (; i < values.size(); ++i) add(0, values[i]);
-    for (std::size_t k = 1; k < lanes; ++k) {
-        add(0, sum[k]);
-        add(0, -lost[k]);
-    }
+    Sum sum;
+    for (const double value : values) sum += value;
     // Beyond the largest double the corrections are NaN.
-    return std::isfinite(sum[0]) ? sum[0] : std::accumulate(values.begin(), values.end(), 0.0);
+    return std::isfinite(sum.value()) ? sum.value() : std::accumulate(values.begin(), values.end(), 0.0);
 }
 
 std::size_t sum_of(std::span<const std::uint32_t> lengths) {

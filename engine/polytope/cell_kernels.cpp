@@ -6,7 +6,6 @@
 
 #if defined(__x86_64__)
 #include <cpuid.h>
-#include <immintrin.h>
 #endif
 
 namespace votess::cpu {
@@ -86,7 +85,7 @@ VOTESS_INLINE void squared_distances_body(const double* x, const double* y, cons
     }
 }
 
-int select_band_plain(const double* distances, int count, double from, double to, std::uint64_t* keys) {
+VOTESS_INLINE int select_band_body(const double* distances, int count, double from, double to, std::uint64_t* keys) {
     int selected = 0;
     for (int i = 0; i < count; ++i) {  // without branches, which would be mispredicted half of the time
         const double d = distances[i];
@@ -96,54 +95,40 @@ int select_band_plain(const double* distances, int count, double from, double to
     return selected;
 }
 
-#if defined(__x86_64__)
-// The compiler does not find the compressing store by itself.
-__attribute__((target("avx512f"))) int select_band_compress(const double* distances, int count, double from, double to,
-                                                            std::uint64_t* keys) {
-    int selected = 0;
-    __m512i index = _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0);
-    for (int i = 0; i < count; i += lanes) {
-        const auto valid = static_cast<__mmask8>(count - i >= lanes ? 0xff : (1 << (count - i)) - 1);
-        const __m512d d = _mm512_maskz_loadu_pd(valid, distances + i);
-        const __mmask8 inside = _mm512_mask_cmp_pd_mask(
-            _mm512_mask_cmp_pd_mask(valid, d, _mm512_set1_pd(from), _CMP_GE_OQ), d, _mm512_set1_pd(to), _CMP_LT_OQ);
-        const __m512i high =
-            _mm512_and_si512(_mm512_castpd_si512(d), _mm512_set1_epi64(static_cast<long long>(key_distance_bits)));
-        _mm512_mask_compressstoreu_epi64(keys + selected, inside, _mm512_or_si512(high, index));
-        selected += __builtin_popcount(inside);
-        index = _mm512_add_epi64(index, _mm512_set1_epi64(lanes));
-    }
-    return selected;
-}
-#endif
+// One set of functions for each instruction set. The bodies above are inlined into each.
+#define VOTESS_KERNELS(NAME, TARGET)                                                                                 \
+    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                                   \
+        return classify_body(v, p);                                                                                  \
+    }                                                                                                                \
+    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const Box& box, double slack, double floor) {              \
+        return box_in_reach_body(v, box, slack, floor);                                                              \
+    }                                                                                                                \
+    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                                      \
+        return largest_radius_body(v);                                                                               \
+    }                                                                                                                \
+    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,               \
+                                         const double* p, double* out) {                                             \
+        squared_distances_body(x, y, z, count, p, out);                                                              \
+    }                                                                                                                \
+    TARGET int select_band_##NAME(const double* distances, int count, double from, double to, std::uint64_t* keys) { \
+        return select_band_body(distances, count, from, to, keys);                                                   \
+    }                                                                                                                \
+    constexpr Kernels kernels_##NAME{#NAME,                                                                          \
+                                     classify_##NAME,                                                                \
+                                     box_in_reach_##NAME,                                                            \
+                                     largest_radius_##NAME,                                                          \
+                                     squared_distances_##NAME,                                                       \
+                                     select_band_##NAME};
 
-// One set of functions for each instruction set. The bodies above are inlined into each; SELECT is passed.
-#define VOTESS_KERNELS(NAME, TARGET, SELECT)                                                            \
-    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                      \
-        return classify_body(v, p);                                                                     \
-    }                                                                                                   \
-    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const Box& box, double slack, double floor) { \
-        return box_in_reach_body(v, box, slack, floor);                                                 \
-    }                                                                                                   \
-    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                         \
-        return largest_radius_body(v);                                                                  \
-    }                                                                                                   \
-    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,  \
-                                         const double* p, double* out) {                                \
-        squared_distances_body(x, y, z, count, p, out);                                                 \
-    }                                                                                                   \
-    constexpr Kernels kernels_##NAME{                                                                   \
-        #NAME, classify_##NAME, box_in_reach_##NAME, largest_radius_##NAME, squared_distances_##NAME, SELECT};
-
-VOTESS_KERNELS(baseline, , select_band_plain)
+VOTESS_KERNELS(baseline, )
 #if defined(__x86_64__)
 #ifdef __clang__
 #define VOTESS_TARGET_512(instructions) __attribute__((target(instructions), min_vector_width(512)))
 #else  // GCC would otherwise split vectors of 512 bits
 #define VOTESS_TARGET_512(instructions) __attribute__((target(instructions ",prefer-vector-width=512")))
 #endif
-VOTESS_KERNELS(avx2, __attribute__((target("avx2"))), select_band_plain)
-VOTESS_KERNELS(avx512, VOTESS_TARGET_512("avx512f,avx512dq,avx512vl"), select_band_compress)
+VOTESS_KERNELS(avx2, __attribute__((target("avx2"))))
+VOTESS_KERNELS(avx512, VOTESS_TARGET_512("avx512f,avx512dq,avx512vl"))
 #endif
 
 #if defined(__x86_64__)

@@ -6,6 +6,7 @@
 #include <memory>
 #include <numeric>
 #include <span>
+#include <unordered_set>
 #include <utility>
 
 #include "core/arithmetic.hpp"
@@ -67,45 +68,6 @@ private:
     std::vector<std::pair<double, std::uint32_t>> seen_;
 };
 
-// A set of numbers that is cheap to clear.
-class NumberSet {
-public:
-    void clear() {
-        for (const std::size_t i : used_) slots_[i] = empty;
-        used_.clear();
-    }
-    // Returns whether it was not in the set.
-    bool insert(std::uint32_t number) {
-        if (2 * (used_.size() + 1) > slots_.size()) grow();
-        const std::size_t i = slot(number);
-        if (slots_[i] == number) return false;
-        slots_[i] = number;
-        used_.push_back(i);
-        return true;
-    }
-
-private:
-    static constexpr std::uint32_t empty = ClippedTriangle::none;
-    // Returns the slot of a number, or the one for it.
-    [[nodiscard]] std::size_t slot(std::uint32_t number) const {
-        std::size_t i = (number * std::uint64_t{0x9e3779b97f4a7c15} >> 20) & (slots_.size() - 1);
-        while (slots_[i] != number && slots_[i] != empty) i = (i + 1) & (slots_.size() - 1);
-        return i;
-    }
-    void grow() {
-        const std::vector<std::uint32_t> before = std::move(slots_);
-        slots_.assign(std::max<std::size_t>(64, 2 * before.size()), empty);
-        for (std::size_t& i : used_) {
-            const std::uint32_t number = before[i];
-            i = slot(number);
-            slots_[i] = number;
-        }
-    }
-
-    std::vector<std::uint32_t> slots_;
-    std::vector<std::size_t> used_;  // slots
-};
-
 // A part, if only areas are wanted.
 struct PartArea {
     double area, border;
@@ -131,7 +93,7 @@ struct Chunk {
 // A triangle with many parts, and the seeds to clip it to next.
 struct Large {
     std::int32_t triangle;
-    NumberSet seen;
+    std::unordered_set<std::uint32_t> seen;
     std::vector<std::uint32_t> pending;
 };
 
@@ -216,7 +178,7 @@ private:
         TriangleCells cells;
         ClippedTriangle part;
         Owner owner;
-        NumberSet seen;
+        std::unordered_set<std::uint32_t> seen;
         std::vector<std::uint32_t> pending;
     };
 
@@ -264,7 +226,7 @@ private:
             chunk.beyond.clear();
             clip(triangle, number, worker.part, chunk);
             for (const std::uint32_t next : chunk.beyond)
-                if (worker.seen.insert(next)) worker.pending.push_back(next);
+                if (worker.seen.insert(next).second) worker.pending.push_back(next);
         }
     }
 
@@ -286,7 +248,7 @@ private:
             next.clear();
             for (std::size_t c = first; c < chunks_.size(); ++c) {
                 for (const std::uint32_t number : chunks_[c].beyond)
-                    if (large.seen.insert(number)) next.push_back(number);
+                    if (large.seen.insert(number).second) next.push_back(number);
                 chunks_[c].beyond = {};
             }
             std::ranges::sort(next);  // near ones need the same memory
