@@ -1,8 +1,10 @@
 #include "exact/pair_vertex.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "exact/double_double.hpp"
 #include "exact/integer/rows.hpp"
 
 namespace votess::exact {
@@ -10,6 +12,17 @@ namespace {
 
 constexpr double pair_rounding = 0x1p-99;  // u^2 is 2^-106; above the 48.3 and the rounding of A
 constexpr double largest_in_pairs = 0x1p150, least_bound = 0x1p-590;
+
+// A plane: 2 N.X <= S. size_s: the absolute values of the terms of S.
+struct PairRow {
+    std::array<DoubleDouble, 3> n{};
+    DoubleDouble s;
+    double size_s = 0;
+};
+struct SizedPair {  // with the absolute values of its terms
+    DoubleDouble value;
+    double size = 0;
+};
 
 DoubleDouble operator-(const DoubleDouble& x) {
     return {-x.high, -x.low};
@@ -21,10 +34,8 @@ int sure_sign(const DoubleDouble& value, double size) {
     return value.high > bound ? 1 : value.high < -bound ? -1 : 0;
 }
 
-}  // namespace
-
 // Returns false if pairs do not hold the differences.
-bool PairVertex::write_row(const Point& p, const Plane& plane, Row& row) {
+bool write_row(const Point& p, const Plane& plane, PairRow& row) {
     if (plane.is_oblique()) return false;
     if (!plane.is_bisector()) {
         const auto [sign, distance] = wall_difference(p, plane);
@@ -50,36 +61,37 @@ bool PairVertex::write_row(const Point& p, const Plane& plane, Row& row) {
     return largest <= largest_in_pairs && row.size_s <= largest_in_pairs * largest_in_pairs;
 }
 
-PairVertex::PairVertex(const Point& p, const Plane& a, const Plane& b, const Plane& c) : p_(p) {
-    std::array<Row, 3> rows;
-    if (!write_row(p, a, rows[0]) || !write_row(p, b, rows[1]) || !write_row(p, c, rows[2])) return;
+}  // namespace
+
+int side_in_pairs(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+    std::array<PairRow, 4> rows;
+    if (!write_row(p, a, rows[0]) || !write_row(p, b, rows[1]) || !write_row(p, c, rows[2]) ||
+        !write_row(p, d, rows[3]))
+        return 0;
+    std::array<SizedPair, 3> v{};
+    SizedPair determinant;
     for (std::size_t r = 0; r < 3; ++r) {
-        const Row &own = rows[r], &next = rows[(r + 1) % 3], &last = rows[(r + 2) % 3];
+        const PairRow &own = rows[r], &next = rows[(r + 1) % 3], &last = rows[(r + 2) % 3];
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
             const DoubleDouble first = next.n[i] * last.n[j], second = next.n[j] * last.n[i];
             const DoubleDouble minor = first + -second;
             const double size = std::abs(first.high) + std::abs(second.high);
-            v_[k].value = v_[k].value + own.s * minor;
-            v_[k].size += own.size_s * size;
+            v[k].value = v[k].value + own.s * minor;
+            v[k].size += own.size_s * size;
             if (r > 0) continue;
-            determinant_.value = determinant_.value + own.n[k] * minor;
-            determinant_.size += std::abs(own.n[k].high) * size;
+            determinant.value = determinant.value + own.n[k] * minor;
+            determinant.size += std::abs(own.n[k].high) * size;
         }
     }
-    sign_ = sure_sign(determinant_.value, determinant_.size);
-}
-
-int PairVertex::side(const Plane& d) const {
-    Row row;
-    if (sign_ == 0 || !write_row(p_, d, row)) return 0;
-    DoubleDouble excess = -(row.s * determinant_.value);
-    double size = row.size_s * determinant_.size;
+    const PairRow& of_d = rows[3];
+    DoubleDouble excess = -(of_d.s * determinant.value);
+    double size = of_d.size_s * determinant.size;
     for (std::size_t k = 0; k < 3; ++k) {
-        excess = excess + row.n[k] * v_[k].value;
-        size += std::abs(row.n[k].high) * v_[k].size;
+        excess = excess + of_d.n[k] * v[k].value;
+        size += std::abs(of_d.n[k].high) * v[k].size;
     }
-    return sure_sign(excess, size) * sign_;
+    return sure_sign(excess, size) * sure_sign(determinant.value, determinant.size);
 }
 
 }  // namespace votess::exact

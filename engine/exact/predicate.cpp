@@ -255,7 +255,7 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
     std::array<WordRow, 4> rows;
     const int bits = word_rows(p, {&a, &b, &c, &d}, rows);
     if (bits == 0) {
-        const int side = PairVertex(p, a, b, c).side(d);
+        const int side = side_in_pairs(p, a, b, c, d);
         return side != 0 ? side : side_of_any(p, a, b, c, d);
     }
     auto side = [&]<class N>(N) {

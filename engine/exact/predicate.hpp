@@ -108,8 +108,7 @@ inline Differences differences(const Point& p, const Plane& bisector) {
     return {{two_sum(q[0], -p[0]), two_sum(q[1], -p[1]), two_sum(q[2], -p[2])}, true};
 }
 
-// Returns +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it. a, b, c must meet in one point. For
-// many d use ExactVertex (vertex.hpp).
+// Returns +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it. a, b, c must meet in one point.
 int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
 
 // Returns the sign of det(Na, Nb, Nc): +1 when the normals turn counterclockwise seen from outside.

@@ -29,8 +29,8 @@ public:
     [[nodiscard]] bool usable() const { return usable_; }
     void give_up() { usable_ = false; }
 
-    // Returns the side of the bisector of another seed on which the vertex lies, as ExactVertex does, and adds the seed
-    // if that is 0. Returns nothing, and is not usable any more, if there are too many or it needs too many bits.
+    // Returns the side of the bisector of another seed on which the vertex lies, as side_of_vertex() does, and adds the
+    // seed if that is 0. Returns nothing, and is not usable any more, if there are too many or it needs too many bits.
     std::optional<int> side(const Differences& seed);
 
     // Finds the hull. The first, second and third seed must be corners of one facet. Returns false if they are not.

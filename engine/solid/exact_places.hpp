@@ -4,7 +4,7 @@
 //     a vertex u of the mesh                   u - o
 //     the edge AB of the mesh on bisector a    (s_a(B) (A - o) - s_a(A) (B - o)) / (s_a(B) - s_a(A))
 //     the triangle uvw on bisectors a and b    sum of w_i (u_i - o) / sum of w_i,  w = s_a x s_b
-//     the vertex of planes a, b, c             V / (2 D) - o, see exact/vertex.hpp
+//     the vertex of planes a, b, c             V / (2 D) - o, see exact/predicate.cpp
 // So each corner, and each sum over corners, can be rounded from its exact value.
 #pragma once
 

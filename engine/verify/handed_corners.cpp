@@ -90,7 +90,9 @@ bool HandedCorners::check_edges(RowPolytope& polytope) {
     const Side* const sides = sides_.data();
     for (std::size_t e = 0; e < edges.size(); ++e) {
         *next = static_cast<int>(e);
-        next += (sides[edges[e].left] != Side::earlier) & (sides[edges[e].right] != Side::earlier) ? 1 : 0;
+        const int left = sides[edges[e].left] != Side::earlier ? 1 : 0,
+                  right = sides[edges[e].right] != Side::earlier ? 1 : 0;
+        next += left & right;
     }
     return std::all_of(to_compare_.data(), next, [&](int e) {
         const RowPolytope::Edge& edge = edges[at(e)];

@@ -16,7 +16,6 @@
 #include "exact/corner.hpp"
 #include "exact/predicate.hpp"
 #include "exact/tied_seeds.hpp"
-#include "exact/vertex.hpp"
 #include "index/hierarchy.hpp"
 #include "index/seed_images.hpp"
 #include "kernels/star_kernels.hpp"

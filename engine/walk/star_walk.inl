@@ -1596,7 +1596,6 @@ bool StarWalk<Isa>::any_missing_image(const Ball& ball, double length) {
 template <class Isa>
 int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane,
                            int count) {
-    std::optional<exact::ExactVertex> vertex;
     const double relative = relative_error(third);
     bool begun = false;
     for (; lane >= 0; lane = Isa::touching(candidates_, count, v, three, lane + 1)) {
@@ -1610,9 +1609,8 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         std::optional<int> side;
         if (id >= 0 && tied_seeds_.usable()) side = tied_seeds_.side(difference_to(id));
         if (!side) {
-            if (!vertex)
-                vertex.emplace(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
-            side = vertex->side(exact_plane(id));
+            side = exact::side_of_vertex(base_.point, exact_plane(three[0]), exact_plane(three[1]),
+                                         exact_plane(three[2]), exact_plane(id));
             if (side == 0) tied_seeds_.give_up();
         }
         if (side > 0) return lane;

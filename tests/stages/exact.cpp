@@ -13,7 +13,6 @@
 #include "exact/pair_vertex.hpp"
 #include "exact/predicate.hpp"
 #include "exact/quad.hpp"
-#include "exact/vertex.hpp"
 #include "exact/wide_float.hpp"
 #include "support/random.hpp"
 #include "support/rational_planes.hpp"
@@ -142,14 +141,13 @@ TEST_SUITE("stages") {
                 if (!test::solve(rational(p, a), rational(p, b), rational(p, c), x)) continue;
                 ++solved;
                 check_position(p, a, b, c, x);
-                votess::exact::ExactVertex vertex(p, a, b, c);
                 std::vector<Plane> planes{a, b, c};
                 for (int d = 0; d < 12; ++d) planes.push_back(random_plane(random, coordinate));
                 for (const Plane& d : planes) {
                     const int expected = test::side_of(x, rational(p, d));
                     ties += expected == 0;
                     INFO(family.name, " set ", s);
-                    REQUIRE(vertex.side(d) == expected);
+                    REQUIRE(votess::exact::side_of_vertex(p, a, b, c, d) == expected);
                     REQUIRE(votess::exact::side_of_vertex(p, c, a, b, d) == expected);
                 }
             }
@@ -179,13 +177,12 @@ TEST_SUITE("stages") {
                 mpq_class x[3];
                 if (!test::solve(rational(p, a), rational(p, b), rational(p, c), x)) continue;
                 ++solved;
-                votess::exact::ExactVertex vertex(p, a, b, c);
-                const votess::exact::PairVertex pairs(p, a, b, c);
                 for (int k = 0; k < 12; ++k) {
                     const Plane d = plane();
-                    const int expected = test::side_of(x, rational(p, d)), side = pairs.side(d);
+                    const int expected = test::side_of(x, rational(p, d)),
+                              side = votess::exact::side_in_pairs(p, a, b, c, d);
                     INFO(family.name, " set ", s);
-                    REQUIRE(vertex.side(d) == expected);
+                    REQUIRE(votess::exact::side_of_vertex(p, a, b, c, d) == expected);
                     REQUIRE(votess::exact::side_of_vertex(p, c, a, b, d) == expected);
                     REQUIRE((side == 0 || side == expected));
                     ++tests;

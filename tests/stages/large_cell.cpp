@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "exact/vertex.hpp"
+#include "exact/predicate.hpp"
 #include "polytope/cell.hpp"
 #include "support/cell_faces.hpp"
 #include "support/check.hpp"
@@ -46,8 +46,8 @@ TEST_SUITE("stages") {
         for (int slot = 0; slot < cell.slots(); ++slot) {
             if (!cell.alive(slot)) continue;
             const auto [a, b, c] = cell.corner_planes(slot);
-            votess::exact::ExactVertex vertex({}, a->source, b->source, c->source);
-            for (const Point& q : seeds) REQUIRE(vertex.side(Plane::bisector(q)) <= 0);
+            for (const Point& q : seeds)
+                REQUIRE(votess::exact::side_of_vertex({}, a->source, b->source, c->source, Plane::bisector(q)) <= 0);
         }
         test::Random random(4);
         for (int turn = 0; turn < 4; ++turn) {

@@ -10,7 +10,7 @@
 
 #include "domain/domain.hpp"
 #include "domain/wall_tree.hpp"
-#include "exact/vertex.hpp"
+#include "exact/predicate.hpp"
 #include "index/hierarchy.hpp"
 #include "index/lift.hpp"
 #include "index/seed_images.hpp"
@@ -144,7 +144,6 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
             const auto v = cell.position(slot);
             const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
             const auto [a, b, d] = cell.corner_planes(slot);
-            votess::exact::ExactVertex vertex(p, a->source, b->source, d->source);
             for (int tries = 0; tries < 8; ++tries) {
                 // The heaviest seed, or any, which may be lighter than the cell's.
                 const double other = domain.largest_weight * (tries < 6 ? 1 : random.uniform());
@@ -162,7 +161,7 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
                 const Point image = rounded_image(q.first, q.second, domain);
                 const Plane plane = bisector(q, other);
                 ++counts.tried;
-                if (vertex.side(plane) <= 0) continue;
+                if (votess::exact::side_of_vertex(p, a->source, b->source, d->source, plane) <= 0) continue;
                 ++counts.cuts;
                 const bool images = domain.is_periodic();
                 if (weighted && !images && !in_lifted_reach(cell, lift, at, weight, image, other))
@@ -398,7 +397,6 @@ TEST_SUITE("stages") {
             if (std::abs(determinant) < 1e-6) continue;
             const std::array planes{Plane::bisector(q[0]), Plane::bisector(q[1]), Plane::bisector(q[2])};
             const auto v = votess::exact::vertex_position<double>(p, planes[0], planes[1], planes[2]);
-            votess::exact::ExactVertex vertex(p, planes[0], planes[1], planes[2]);
             const double x2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2], scale = 0x1p28;
             // A vertex of the walk has an error of 2e-8 at most, in window units.
             constexpr double margin = 2e-8;
@@ -416,7 +414,8 @@ TEST_SUITE("stages") {
             const unsigned inside = kernels.inside_ball(x[0], x[1], x[2], test, 0);
             for (int i = 0; i < 8; ++i) {
                 ++tried;
-                if (vertex.side(Plane::bisector({x[0][i], x[1][i], x[2][i]})) <= 0) continue;
+                const Plane bisector = Plane::bisector({x[0][i], x[1][i], x[2][i]});
+                if (votess::exact::side_of_vertex(p, planes[0], planes[1], planes[2], bisector) <= 0) continue;
                 ++cuts;
                 if (((inside >> i) & 1) == 0) FAIL_CHECK("a seed that cuts the vertex is not in its ball");
             }

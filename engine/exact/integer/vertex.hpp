@@ -14,7 +14,7 @@ struct IntRow {
     Int128 s;
 };
 
-// Cramer, as in vertex.hpp: X = V / (2 D). |V| < 2^(4*61+4.2), |D| < 2^(3*61+2.6), |Nd.V - Sd D| < 2^(5*61+6.2).
+// Cramer, as in predicate.cpp: X = V / (2 D). |V| < 2^(4*61+4.2), |D| < 2^(3*61+2.6), |Nd.V - Sd D| < 2^(5*61+6.2).
 struct IntVertex {
     std::array<WideInt<4>, 3> v;
     WideInt<3> determinant;
