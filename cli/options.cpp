@@ -201,7 +201,7 @@ inside the domain, or the status `empty`)",
          R"(cells of some points among all: a range of indices from 0, as 5, 0:100 or
 ::10, or a file of indices: text, or .npy, also of a flag for each point.
 Rows come in this order, and `ids` names their points. Into text, .csv,
-.npz or .h5)",
+.xyz, .dump, .npz or .h5)",
          {.needs = Needs::all_cells}},
         {"--min-face SHARE",
          R"(drop faces between two cells with an area below this share of the mean of

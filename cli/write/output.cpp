@@ -113,7 +113,7 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
             const bool is_vtu = kind_of(path)->write == write_vtu;
             if (columns[c].of_words && is_vtu)
                 throw bad_input("cannot carry the words of " + in_quotes(name) + " into " + in_quotes(path) +
-                                ", which holds numbers: write .csv, .npz or .h5");
+                                ", which holds numbers: write .csv, .xyz, .dump, .npz or .h5");
             const bool taken = is_vtu                    ? is_vtu_array(name)
                                : output_has(path, table) ? is_table_column(name, planar)
                                                          : !is_text && is_result_array(name);

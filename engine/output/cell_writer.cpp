@@ -422,10 +422,8 @@ void CellWriter::place_row(bool with_ids) {
     if (!want_.areas && !want_.normals) return;
     begin(new_values_);
     const MeasureUnit unit = unit_of_cell();
-    double *const areas = want_.areas ? grow(new_values_.areas, 1) : nullptr, *const normals =
-                                                                                  want_.normals
-                                                                                      ? grow(new_values_.normals, 3)
-                                                                                      : nullptr;
+    double* const areas = want_.areas ? grow(new_values_.areas, 1) : nullptr;
+    double* const normals = want_.normals ? grow(new_values_.normals, 3) : nullptr;
     for (std::size_t k = 0; k < listed && want_.areas; ++k) areas[k] = unit.area(face_areas_[hidden_ + k]);
     if (want_.normals)
         for_listed([&](std::size_t f, std::size_t entry) { std::ranges::copy(face_normals_[f], normals + 3 * entry); });
