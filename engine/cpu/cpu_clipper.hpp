@@ -121,7 +121,7 @@ private:
     void clip_order(std::span<const std::int32_t> cells, bool fallback, ResultBuilder& out, const Share& share);
     Cell& clip_by_faces(std::size_t seed, Worker& worker) const;
     Cell& clip_by_faces(std::size_t seed, const KeptCell& cell, Worker& worker) const;
-    // moving_seeds.cpp: writes what is kept, after all pending rows.
+    // In moving_seeds.cpp: writes the kept cells, after all pending rows.
     void write_kept(KeptCells& kept, ResultBuilder& out, const Share& share);
     Cell& build_from_candidates(std::size_t seed, Worker& worker) const;
     void search(std::size_t seed, Worker& worker) const;

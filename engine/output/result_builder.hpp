@@ -108,7 +108,7 @@ public:
     // The same for all rows from one cell to another, without values except shifts, which follow or are not requested.
     void place_run(std::size_t first, std::size_t end, std::span<const std::int32_t> ids,
                    std::span<const std::int8_t> shifts);
-    // The same for cells anywhere, without what is empty.
+    // The same for cells in any order. Empty arrays are skipped.
     void place_each(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                     std::span<const std::int32_t> ids, const RowValues& values);
 

@@ -293,7 +293,7 @@ void RowPolytope::take_fans() {
     faces_.assign(names_.size(), 1);
     edges_.resize(3 * fans_.size() / 2 + 1);
     Edge* edge = edges_.data();
-    // Which end is lower is hard to foretell, so there is no branch.
+    // Which end is lower is hard to predict, so there is no branch.
     for (int v = 0; v < static_cast<int>(fans_.size()); ++v) {
         const Fan& fan = fans_[at(v)];
         for (std::size_t k = 0; k < 3; ++k) {
