@@ -111,38 +111,71 @@ private:
     Words words_;
 };
 
-std::vector<double> text_corners(std::string_view text, const std::string& name) {
-    LineReader lines(text, name);
-    Words words;
-    std::vector<double> corners;
-    std::size_t in_loop = 0;
-    bool open = false;  // after `solid`
-    for (std::string_view line; lines.next_filled(line);) {
-        split_words(line, words);
-        const std::string word = lower_case(words[0]);
-        if (word == "solid" || word == "endsolid") {
-            if (open == (word == "solid")) throw lines.error("\"" + word + "\" at a wrong place");
-            open = !open;
-            continue;
-        }
-        if (!open) throw lines.error("expected: solid");
-        if (word == "vertex") {
-            if (words.size() != 4) throw lines.error("expected: vertex X Y Z");
-            for (const std::string_view text_of_number : std::span(words).subspan(1)) {
-                corners.push_back(lines.number(text_of_number));
-                if (!std::isfinite(corners.back())) throw lines.error(in_quotes(text_of_number) + " is not finite");
+// Any white space separates words, so that a facet may stand on one line or on seven. Only a name ends its line.
+class TextStl {
+public:
+    TextStl(std::string_view text, const std::string& name) : lines_(text, name) {}
+
+    std::vector<double> corners() {
+        bool open = false;  // after `solid`
+        while (find_word()) {
+            const std::string word = lower_case(take());
+            if (word == "solid" || word == "endsolid") {
+                if (open == (word == "solid")) throw lines_.error("\"" + word + "\" at a wrong place");
+                open = !open;
+                next_ = words_.size();
+                continue;
             }
-            ++in_loop;
-        } else if (word == "endloop") {
-            if (in_loop != 3) throw lines.error("a facet of " + std::to_string(in_loop) + " corners, not 3");
-            in_loop = 0;
-        } else if ((word != "facet" && word != "outer" && word != "endfacet") || in_loop != 0) {
-            throw lines.error("the word " + in_quotes(words[0]) + " is unknown, or at a wrong place");
+            if (!open) throw lines_.error("expected: solid");
+            if (word != "facet")
+                throw lines_.error("the word " + in_quotes(words_[next_ - 1]) + " is unknown, or at a wrong place");
+            take_facet();
         }
+        if (open) throw bad_input(lines_.name() + ": the file ends before \"endsolid\"");
+        return std::move(corners_);
     }
-    if (open) throw bad_input(name + ": the file ends before \"endsolid\"");
-    return corners;
-}
+
+private:
+    [[nodiscard]] bool find_word() {
+        for (std::string_view line; next_ == words_.size(); next_ = 0) {
+            if (!lines_.next_filled(line)) return false;
+            split_words(line, words_);
+        }
+        return true;
+    }
+    std::string_view take() {
+        if (!find_word()) throw bad_input(lines_.name() + ": the file ends before \"endsolid\"");
+        return words_[next_++];
+    }
+    void take(const char* expected) {
+        const std::string_view word = take();
+        if (lower_case(word) != expected)
+            throw lines_.error("expected: " + std::string(expected) + ", not " + in_quotes(word));
+    }
+
+    void take_facet() {
+        constexpr std::size_t words_of_normal = 4;
+        std::string word = lower_case(take());
+        for (std::size_t k = 0; k < words_of_normal && word != "outer"; ++k) word = lower_case(take());
+        if (word != "outer") throw lines_.error("expected: outer loop");
+        take("loop");
+        std::size_t count = 0;
+        for (word = lower_case(take()); word == "vertex"; word = lower_case(take()), ++count)
+            for (int k = 0; k < 3; ++k) {
+                const std::string_view text = take();
+                corners_.push_back(lines_.number(text));
+                if (!std::isfinite(corners_.back())) throw lines_.error(in_quotes(text) + " is not finite");
+            }
+        if (word != "endloop") throw lines_.error("expected: vertex or endloop, not " + in_quotes(word));
+        if (count != 3) throw lines_.error("a facet of " + std::to_string(count) + " corners, not 3");
+        take("endfacet");
+    }
+
+    LineReader lines_;
+    Words words_;
+    std::size_t next_ = 0;  // of the words of the line
+    std::vector<double> corners_;
+};
 
 // A binary file may begin with "solid" too.
 bool has_binary_size(std::string_view bytes) {
@@ -238,7 +271,7 @@ Surface parse_stl(std::string_view bytes, const std::string& name) {
     const auto word = begin.find_first_not_of(std::string(blanks) + "\n\xef\xbb\xbf");
     const bool is_text = word != std::string::npos && begin.compare(word, 5, "solid") == 0 &&
                          begin.find('\0') == std::string::npos && !has_binary_size(bytes);
-    Surface surface{is_text ? text_corners(bytes, name) : binary_corners(bytes, name), {}, true, 0};
+    Surface surface{is_text ? TextStl(bytes, name).corners() : binary_corners(bytes, name), {}, true, 0};
     constexpr auto max = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
     if (surface.vertices.size() / 3 > max)
         throw bad_input(name + ": more than the " + std::to_string(max) + " corners that are read");

@@ -12,6 +12,7 @@
 #include "input/default_box.hpp"
 #include "input/settle.hpp"
 #include "result/arrays.hpp"
+#include "result/drop_faces.hpp"
 
 namespace votess {
 namespace {
@@ -85,7 +86,11 @@ Sheet::Sheet(Settled planar)
 }
 
 Sheet::Sheet(const Box& of_points, std::uint64_t count, Settled planar)
-    : in_space_(std::move(planar)), wanted_(in_space_.want), list_walls_(in_space_.list_walls) {
+    : in_space_(std::move(planar)),
+      wanted_(in_space_.want),
+      list_walls_(in_space_.list_walls),
+      min_face_(in_space_.min_face),
+      min_area_(in_space_.min_area) {
     Region& region = in_space_.region;
     const bool endless = EndlessSides(region).any();
     Box bounds = of_points;
@@ -111,6 +116,7 @@ Sheet::Sheet(const Box& of_points, std::uint64_t count, Settled planar)
     if (region.mesh) region.mesh = prism_.emplace(*region.mesh, relative_prism * height).view();
     add_sheet_wants(in_space_.want, in_space_.list_walls);
     imply(in_space_);
+    in_space_.min_face = in_space_.min_area = 0;  // surfaces have all edges
 }
 
 namespace {
@@ -124,19 +130,6 @@ void flatten_rows(Result& r, const Want& wanted, bool list_walls) {
         if (!(r.vertices[3 * v + 2] < 0)) corner[v] = corners++;
     }
     detail::keep_vertices(r, corner);
-    if (!r.dropped_offsets.empty()) {
-        const std::size_t dropped = r.dropped_offsets.size() - 1;
-        for (std::size_t f = 0; f < dropped; ++f) {
-            const std::size_t begin = at(r.dropped_offsets[f]), end = at(r.dropped_offsets[f + 1]);
-            const auto edge =
-                upper_edge(std::span<const std::int32_t>(r.dropped_vertices).subspan(begin, end - begin), corner);
-            r.dropped_offsets[f] = static_cast<std::int64_t>(2 * f);
-            std::ranges::copy(edge, &r.dropped_vertices[2 * f]);
-        }
-        r.dropped_offsets[dropped] = static_cast<std::int64_t>(2 * dropped);
-        r.dropped_vertices.resize_uninitialized(2 * dropped);
-    }
-
     const bool has_faces = !r.face_offsets.empty();
     std::vector<bool> stays(r.indices.size());
     std::vector<std::array<std::int32_t, 2>> edges;  // of the entries that stay
@@ -171,10 +164,11 @@ void flatten_rows(Result& r, const Want& wanted, bool list_walls) {
 
 }  // namespace
 
-void flatten(Result& result, const Want& wanted, bool list_walls) {
+void flatten(Result& result, const Want& wanted, bool list_walls, double min_face, double min_area) {
     result.planar = true;
     const std::size_t count = result.status.size();
     flatten_rows(result, wanted, list_walls);
+    const std::uint64_t dropped = min_face > 0 || min_area > 0 ? drop_small_faces(result, min_face, min_area) : 0;
     detail::drop_third_components(result);
     for (std::size_t i = 0; i < result.face_counts.size(); ++i) {
         if (result.face_counts[i] == 0) continue;
@@ -196,6 +190,8 @@ void flatten(Result& result, const Want& wanted, bool list_walls) {
     Stats& stats = result.stats;
     const std::uint64_t cells = count - stats.empty_cells;
     if (!result.mesh_cells) stats.faces -= Sheet::more_faces * cells;
+    stats.faces -= dropped;
+    if (stats.tiny_faces) *stats.tiny_faces -= std::min(*stats.tiny_faces, dropped);  // the smallest faces went first
     stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
 }
 

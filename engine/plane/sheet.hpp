@@ -19,8 +19,9 @@ namespace votess {
 
 // Adds what a sheet needs for the wants of the plane.
 void add_sheet_wants(Want& want, bool& list_walls);
-// Turns the result of a sheet into that of the plane. wanted, list_walls: those of the plane, with all that they imply.
-void flatten(detail::Result& result, const Want& wanted, bool list_walls);
+// Turns the result of a sheet, with all faces, into that of the plane. wanted, list_walls: those of the plane, with all
+// that they imply.
+void flatten(detail::Result& result, const Want& wanted, bool list_walls, double min_face = 0, double min_area = 0);
 
 // Returns (N, 3) points, with z = 0. points: (N, 2), whole ones.
 [[nodiscard]] inline std::vector<double> in_sheet(const Points& points) {
@@ -53,7 +54,7 @@ public:
     static constexpr std::uint32_t more_faces = 2;
     // Turns the result of the sheet into that of the plane.
     void flatten(detail::Result& result) const {
-        votess::flatten(result, wanted_, list_walls_);
+        votess::flatten(result, wanted_, list_walls_, min_face_, min_area_);
         if (prism_) result.mesh_edges = std::make_shared<const std::vector<std::int32_t>>(prism_->names());
     }
 
@@ -65,6 +66,7 @@ private:
     Settled in_space_;
     Want wanted_;      // of the plane
     bool list_walls_;  // of the plane
+    double min_face_, min_area_;
 };
 
 }  // namespace votess

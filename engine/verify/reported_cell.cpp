@@ -71,9 +71,7 @@ struct Reply {
     }
 };
 
-// Faces whose area is that of the threshold may have been dropped or not.
-std::string row_difference(const CheckedRun& run, const ReportedCell& reported, std::vector<ReportedFace>& found,
-                           double allowed) {
+std::string row_difference(const ReportedCell& reported, std::vector<ReportedFace>& found, double allowed) {
     const std::vector<ReportedFace>& row = *reported.row;
     const std::string lists =
                           "seed " + std::to_string(reported.id) + " lists " + std::to_string(row.size()) + " neighbors",
@@ -82,10 +80,8 @@ std::string row_difference(const CheckedRun& run, const ReportedCell& reported, 
     std::size_t matched = 0;
     for (const ReportedFace& face : found) {
         const auto entry = std::ranges::lower_bound(row, face, std::less<>());
-        if (entry == row.end() || face < *entry) {
-            if (face.id >= 0 && run.least_face > 0 && face.area < run.least_face + allowed) continue;
+        if (entry == row.end() || face < *entry)
             return lists + ", without " + std::to_string(face.id) + ", which is one of the " + by;
-        }
         ++matched;
         if (reported.has_areas && entry->area != face.area &&
             !(std::abs(entry->area - face.area) <= allowed + smallest_double))
@@ -132,7 +128,7 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
             face.area = area;
             for (std::size_t k = 0; k < 3; ++k) face.shift[k] = static_cast<std::int8_t>(plane.shift[k]);
         }
-        if (auto text = row_difference(run, reported, row, tolerance * surface); !text.empty()) return text;
+        if (auto text = row_difference(reported, row, tolerance * surface); !text.empty()) return text;
     }
     if (!reported.volume) return {};
     const double volume = unit.volume(geometry.volume);

@@ -41,7 +41,6 @@ struct CheckedRun {
     Settled settled;           // the domain, and whether rows list walls; without weights
     std::uint64_t seeds = 0;   // of all blocks
     double domain_volume = 0;  // that cells fill
-    double least_face = 0;     // smaller faces were dropped
     VolumeTolerance tolerance = double_tolerance;
     std::vector<std::int64_t> only{};  // of a subset: the seeds that have rows, ascending; otherwise empty
     bool planar = false;               // whether the rows are those of the plane

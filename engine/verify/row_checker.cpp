@@ -167,7 +167,8 @@ Fault get_fault(Reader& reader) {
 }  // namespace
 
 std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic) {
-    const double work = static_cast<double>(seeds) * (periodic ? 62 : 2) + 2e4 * static_cast<double>(blocks);
+    const double work =
+        static_cast<double>(seeds) * static_cast<double>(tests_of_seed(periodic)) + 2e4 * static_cast<double>(blocks);
     return std::max(min_sample, static_cast<std::size_t>(sample_budget / work));
 }
 
@@ -177,18 +178,17 @@ RowChecker::RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks)
 RowChecker::~RowChecker() = default;
 
 void RowChecker::take(const StreamRows& rows, const RowNames& names) {
-    const bool faces = !rows.indptr.empty(), all_faces = run_.least_face == 0, counts = !rows.face_counts.empty();
-    const bool surfaces =
-        !rows.face_areas.empty() && !rows.face_normals.empty() && run_.settled.list_walls && all_faces;
+    const bool faces = !rows.indptr.empty(), counts = !rows.face_counts.empty();
+    const bool surfaces = !rows.face_areas.empty() && !rows.face_normals.empty() && run_.settled.list_walls;
     sums_.rows |= faces;
     sums_.volumes |= !rows.volumes.empty();
-    sums_.counts |= counts && all_faces;
+    sums_.counts |= counts;
     const auto check = [&](Checks& checks, std::size_t k) {
         const std::int64_t id = id_of(rows, k, names);
         if (faces && !sample_.rows_are_proven) take_row(checks, rows, k, id, names);
         if (surfaces) check_surface(rows, k, id, run_, checks.surface);
         const bool open = run_.ends.any() && (rows.volumes.empty() || std::isinf(rows.volumes[k]));
-        if (counts && all_faces && !open) check_euler(rows, k, id, run_.planar, checks.euler);
+        if (counts && !open) check_euler(rows, k, id, run_.planar, checks.euler);
     };
     const std::size_t count = rows.status.size(), pieces = (count + rows_of_piece - 1) / rows_of_piece;
     if (pieces > 1 && !pool_) pool_ = std::make_unique<ThreadPool>(run_.settled.threads);

@@ -28,6 +28,10 @@ class ThreadPool;
 // cells.
 inline constexpr double sample_budget = 5e8;
 inline constexpr std::size_t min_sample = 64;
+// Returns how many distance tests a seed costs each cell of a sample.
+[[nodiscard]] constexpr std::size_t tests_of_seed(bool periodic) {
+    return periodic ? 62 : 2;
+}
 // Returns how many cells the budget pays for, at least 64. seeds: of all blocks.
 [[nodiscard]] VOTESS_API std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic);
 

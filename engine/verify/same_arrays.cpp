@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -41,12 +42,15 @@ double spacing_of(const Points& points, std::size_t dimensions) {
 
 // Numbers are rounded relative to their own size, or to this one where they are small differences of larger ones: that
 // of a thin cell, or of a cell next to the origin.
-double least_scale(std::string_view name, double spacing, bool planar) {
+template <class Array>
+double least_scale(const Array& array, double spacing, bool planar) {
     constexpr double thin = 1e-3;
     int dimensions = 0;
-    if (name == "volumes") dimensions = planar ? 2 : 3;
-    if (name == "surface_areas" || name == "mesh_areas" || name == "face_areas") dimensions = planar ? 1 : 2;
-    if (name == "centroids" || name == "vertices" || name == "security_radii") dimensions = 1;
+    for (const auto group : {&Want::centroids, &Want::vertices, &Want::radii})
+        if (array.word == group) dimensions = 1;
+    for (const auto group : {&Want::areas, &Want::surfaces})
+        if (array.word == group) dimensions = planar ? 1 : 2;
+    if (array.word == &Want::volumes) dimensions = planar ? 2 : 3;
     const double scale = (dimensions > 1 ? thin : 1) * std::pow(spacing, dimensions);
     return std::isfinite(scale) ? scale : 0;
 }
@@ -57,6 +61,17 @@ bool same(T a, T b, double allowed) {
         return a == b || (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= allowed;
     else
         return a == b;
+}
+
+// Compares one number or vector with another, to a tolerance relative to the expected one, at least to `least`.
+template <class Values>
+bool same_at(const Values& given, std::size_t i, const Values& expected, std::size_t k, std::size_t components,
+             double least, double tolerance) {
+    double scale = least;
+    for (std::size_t c = 0; c < components; ++c) scale = std::max(scale, size_of(expected[components * k + c]));
+    for (std::size_t c = 0; c < components; ++c)
+        if (!same(given[components * i + c], expected[components * k + c], tolerance * scale)) return false;
+    return true;
 }
 
 template <class T>
@@ -119,19 +134,142 @@ std::string difference_from_second_run(const Result& result, Settled again, doub
             text = name + " has another size than in a second run";
             return;
         }
-        const double least = least_scale(array.name, spacing, result.planar);
+        const double least = least_scale(array, spacing, result.planar);
         const std::size_t components = components_of(array, result.planar);
-        for (std::size_t k = 0; k < given.size() && text.empty(); ++k) {
-            double scale = least;
-            for (std::size_t c = k - k % components; c < std::min(k - k % components + components, expected.size());
-                 ++c)
-                scale = std::max(scale, size_of(expected[c]));
-            if (!same(given[k], expected[k], tolerance * scale))
-                text = name + '[' + std::to_string(k) + "] is " + text_of(given[k]) + ", a second run gives " +
-                       text_of(expected[k]);
+        for (std::size_t k = 0; k < given.size() / components && text.empty(); ++k) {
+            if (same_at(given, k, expected, k, components, least, tolerance)) continue;
+            std::size_t at = components * k;
+            while (at + 1 < components * (k + 1) && same(given[at], expected[at], 0)) ++at;
+            text = name + '[' + std::to_string(at) + "] is " + text_of(given[at]) + ", a second run gives " +
+                   text_of(expected[at]);
         }
     });
     return text;
+}
+
+namespace {
+
+// A part of a result beside the whole; see difference_from_whole().
+class PartOfWhole {
+public:
+    PartOfWhole(const Result& part, const Result& whole, double spacing, double tolerance)
+        : part_(part), whole_(whole), spacing_(spacing), tolerance_(tolerance), components_(part.planar ? 2 : 3) {}
+
+    // Returns which array of a row differs from that of seed i, "" for none.
+    [[nodiscard]] std::string_view difference(std::size_t row, std::size_t i) const {
+        std::size_t dropped = 0;
+        if (!part_.indptr.empty())
+            if (const std::string_view name = of_entries(row, i, dropped); !name.empty()) return name;
+        if (const std::string_view name = of_vertices(row, i); !name.empty()) return name;
+        std::string_view differs;
+        detail::for_arrays([&](const auto& array) {
+            const auto &given = array.of(part_), &expected = array.of(whole_);
+            if (array.per != Per::cell || array.name == "ids" || given.empty() || !differs.empty()) return;
+            const bool counts_faces =  // in the plane all counts are that of edges
+                array.name == "face_counts" || (part_.planar && array.word == &Want::counts);
+            const bool equal =
+                expected.empty() ? false
+                : counts_faces ? static_cast<std::size_t>(given[row]) + dropped == static_cast<std::size_t>(expected[i])
+                               : same_at(given, row, expected, i, components_of(array, part_.planar),
+                                         least_scale(array, spacing_, part_.planar), tolerance_);
+            if (!equal) differs = array.name;
+        });
+        return differs;
+    }
+
+private:
+    [[nodiscard]] bool same_place(std::int32_t given, std::int32_t expected) const {
+        if (given < 0 || expected < 0) return given == expected;  // at infinity
+        return same_at(part_.vertices, static_cast<std::size_t>(given), whole_.vertices,
+                       static_cast<std::size_t>(expected), components_, spacing_, tolerance_);
+    }
+
+    // Goes along both rows. The whole one may have more faces, those below the limit: next to it both are right.
+    [[nodiscard]] std::string_view of_entries(std::size_t row, std::size_t i, std::size_t& dropped) const {
+        const auto begin = [](const Result& r, std::size_t k) { return static_cast<std::size_t>(r.indptr[k]); };
+        std::size_t entry = begin(part_, row);
+        const std::size_t end = begin(part_, row + 1), all_end = begin(whole_, i + 1);
+        double surface = 0;
+        for (std::size_t e = begin(whole_, i); e < all_end && part_.least_face > 0; ++e)
+            surface += size_of(whole_.face_areas[e]);
+        const double near = 1e-9 * (part_.least_face + surface);
+        for (std::size_t e = begin(whole_, i); e < all_end; ++e) {
+            const bool is_face = part_.least_face > 0 && whole_.indices[e] >= 0;
+            std::string_view differs = entry < end ? of_entry(entry, e) : "neighbors";
+            if (differs == "neighbors" && is_face && whole_.face_areas[e] < part_.least_face + near) {
+                ++dropped;
+                continue;
+            }
+            if (differs.empty() && is_face && whole_.face_areas[e] < part_.least_face - near) differs = "small faces";
+            if (!differs.empty()) return differs;
+            ++entry;
+        }
+        return entry == end ? "" : "neighbors";
+    }
+
+    [[nodiscard]] std::string_view of_entry(std::size_t entry, std::size_t e) const {
+        if (part_.indices[entry] != whole_.indices[e]) return "neighbors";
+        std::string_view differs;
+        detail::for_arrays([&](const auto& array) {
+            const auto &given = array.of(part_), &expected = array.of(whole_);
+            if (array.per != Per::entry || given.empty() || !differs.empty()) return;
+            if (!same_at(given, entry, expected, e, components_of(array, part_.planar),
+                         least_scale(array, spacing_, part_.planar), tolerance_))
+                differs = array.name == "shifts" ? "neighbors" : array.name;
+        });
+        if (!differs.empty() || part_.face_offsets.empty()) return differs;
+        const auto polygon = [](const Result& r, std::size_t k) {
+            const auto from = static_cast<std::size_t>(r.face_offsets[k]);
+            return std::span<const std::int32_t>(r.face_vertices)
+                .subspan(from, static_cast<std::size_t>(r.face_offsets[k + 1]) - from);
+        };
+        const auto given = polygon(part_, entry), expected = polygon(whole_, e);
+        const bool equal = std::ranges::equal(given, expected, [&](auto a, auto b) { return same_place(a, b); });
+        return equal ? "" : "polygons";
+    }
+
+    [[nodiscard]] std::string_view of_vertices(std::size_t row, std::size_t i) const {
+        if (part_.cell_vertex_indptr.empty()) return "";
+        const auto list = [](const Result& r, std::size_t k) {
+            const auto from = static_cast<std::size_t>(r.cell_vertex_indptr[k]);
+            return std::span<const std::int32_t>(r.cell_vertex_indices)
+                .subspan(from, static_cast<std::size_t>(r.cell_vertex_indptr[k + 1]) - from);
+        };
+        const auto given = list(part_, row), expected = list(whole_, i);
+        if (given.size() != expected.size()) return "vertices";
+        const auto same = [&](std::int32_t a, std::int32_t b) { return same_place(a, b); };
+        if (part_.planar) {
+            if (given.empty()) return "";
+            std::size_t turn = 0;
+            while (turn < expected.size() && !same(given[0], expected[turn])) ++turn;
+            for (std::size_t k = 0; k < given.size(); ++k)
+                if (!same(given[k], expected[(turn + k) % expected.size()])) return "vertices";
+            return "";
+        }
+        // The numbers that are ascending depend on the cells before it.
+        const bool equal = std::ranges::adjacent_find(given, std::greater_equal<>()) == given.end() &&
+                           std::ranges::all_of(given, [&](std::int32_t v) {
+                               return std::ranges::any_of(expected, [&](std::int32_t u) { return same(v, u); });
+                           });
+        return equal ? "" : "vertices";
+    }
+
+    const Result &part_, &whole_;
+    double spacing_, tolerance_;
+    std::size_t components_;
+};
+
+}  // namespace
+
+std::string difference_from_whole(const Result& part, const Result& whole, const Points& points, double tolerance) {
+    const PartOfWhole pair(part, whole, spacing_of(points, part.planar ? 2 : 3), tolerance);
+    for (std::size_t row = 0; row < part.status.size(); ++row) {
+        const std::size_t i = part.is_subset ? static_cast<std::size_t>(part.ids[row]) : row;
+        const std::string_view name = pair.difference(row, i);
+        if (!name.empty())
+            return "cell " + std::to_string(i) + " has other " + std::string(name) + " than in a run of all cells";
+    }
+    return {};
 }
 
 }  // namespace votess

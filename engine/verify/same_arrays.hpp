@@ -1,4 +1,4 @@
-// A result against a second run, array by array.
+// A result against another run, array by array.
 #pragma once
 
 #include <string>
@@ -16,5 +16,10 @@ namespace votess {
 // relative to the number, the vector, or what suits the distance between seeds. "" if there is none. again: of the same
 // seeds, domain and subset.
 [[nodiscard]] std::string difference_from_second_run(const detail::Result& result, Settled again, double tolerance);
+
+// Compares a result of some cells, or without small faces or rows, with a run of all cells and faces, whose rows are
+// there. Returns a text as difference_from_second_run() does. points: of both runs.
+[[nodiscard]] std::string difference_from_whole(const detail::Result& part, const detail::Result& whole,
+                                                const Points& points, double tolerance);
 
 }  // namespace votess

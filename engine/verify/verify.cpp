@@ -219,13 +219,6 @@ struct ExpectedRow {
         areas.push_back(area);
         area_scales.push_back(scale);
     }
-    void drop_last() {
-        ids.pop_back();
-        areas.pop_back();
-        area_scales.pop_back();
-        if (!shifts.empty()) shifts.resize(shifts.size() - components);
-        if (!normals.empty()) normals.resize(normals.size() - components);
-    }
     // Returns which array of row i of a result differs, "" for none.
     [[nodiscard]] const char* difference(const Tessellation& t, std::size_t i) const {
         if (t.indptr().empty()) return "";
@@ -246,16 +239,6 @@ struct ExpectedRow {
     }
 };
 
-constexpr const char* dropped_faces = "small faces were dropped";
-
-// Returns why there is no proof of all cells in a box; empty where there is one.
-std::string unprovable(const Tessellation& t, const Result& result, const VerifyOptions& options) {
-    if (options.sample) return "a number of cells was given, which are sampled";
-    if (result.indptr.empty()) return "the result has no neighbors";
-    if (t.is_subset()) return "the result has only some of the cells";
-    return result.least_face == 0 ? "" : dropped_faces;
-}
-
 // Returns the seed of a row.
 std::size_t seed_of(const Tessellation& t, std::size_t row) {
     return t.is_subset() ? at(t.ids()[row]) : row;
@@ -264,7 +247,6 @@ std::size_t seed_of(const Tessellation& t, std::size_t row) {
 // Checks the cells of the plane by the prisms of a sheet, which are verified.
 VerifyReport verify_plane(const Tessellation& t, Settled second, const VerifyOptions& how) {
     second.list_walls = t.lists_walls();
-    second.min_area = t.least_face();
     second.want = {.neighbors = true, .volumes = true, .counts = true, .areas = true, .normals = true};
     const Sheet sheet(std::move(second));
     const Tessellation prisms = tessellate(sheet.in_space());
@@ -369,19 +351,6 @@ void add_area_of(const Tessellation& far, std::size_t entry, const AtInfinity& i
                  std::min(scale, std::numeric_limits<double>::max()));
 }
 
-// Whether the last face of an expected row is one that min_face or min_area dropped from row i. The limit is rounded:
-// next to it both are right.
-bool is_dropped(const Tessellation& t, std::size_t i, const ExpectedRow& row) {
-    const double area = row.areas.back(), limit = t.least_face(), near = 1e-9 * (limit + row.area_scales.back());
-    if (!(std::abs(area - limit) <= near)) return area < limit;
-    for (auto e = at(t.indptr()[i]); e < at(t.indptr()[i + 1]); ++e) {
-        const auto shift = t.shifts().empty() ? t.shifts() : t.shifts().subspan(3 * e, 3);
-        const auto expected = std::span(row.shifts).last(shift.size());
-        if (t.indices()[e] == row.ids.back() && std::ranges::equal(shift, expected)) return false;
-    }
-    return true;
-}
-
 VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled second, const VerifyOptions& options,
                           const Certificate::Endless& endless = {});
 
@@ -419,7 +388,7 @@ bool lists_those_near(const Tessellation& far, Settled near, const VerifyOptions
 VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyOptions& how) {
     const std::span<const double> points = second.points.f64;
     const EndlessSides sides(second.region);
-    const bool counts = !t.face_counts().empty(), areas = !t.face_areas().empty(), drops = t.least_face() > 0;
+    const bool counts = !t.face_counts().empty(), areas = !t.face_areas().empty();
     const Settled given = second;
     end_far(second.region, second.points, second.weights);
     second.list_walls = true;
@@ -427,11 +396,11 @@ VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyO
                    .volumes = true,
                    .counts = true,
                    .normals = !t.face_normals().empty(),
-                   .faces = counts || areas || drops};
+                   .faces = counts || areas};
     const Tessellation far = tessellate(std::move(second));
     const std::vector<double> places = wrapped_points(far, points);
     const Result &result = detail::result_of(t), &of_far = detail::result_of(far);
-    Certificate::Endless endless{t.is_subset() || drops ? nullptr : &result, &sides};
+    Certificate::Endless endless{t.is_subset() ? nullptr : &result, &sides};
     const auto check = [&] { return verify_cells(far, of_far, second_run(far, of_far, points), how, endless); };
     if (!same_closed_rows(t, far, sides)) endless.numbers = nullptr;
     VerifyReport report = check();
@@ -440,7 +409,6 @@ VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyO
         report = check();
     }
     const bool compared = report.proven && endless.numbers != nullptr;
-    if (drops && report.proven) report.proven = false, report.unproven = dropped_faces;
     if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, points);
     const double tolerance = tolerance_of(t);
     ExpectedRow row;
@@ -452,7 +420,6 @@ VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyO
         };
         row.clear();
         const AtInfinity infinite(far, sides, i);
-        std::uint32_t dropped = 0;
         bool listed = !infinite.any() || !t.lists_walls();
         const auto add_infinity = [&] {
             row.ids.push_back(sides.id());
@@ -466,11 +433,7 @@ VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyO
             if (!listed && id >= sides.id()) add_infinity();
             if (sides.has(id) || (id < 0 && !t.lists_walls())) continue;
             row.add(far, e);
-            if (areas || drops) add_area_of(far, e, infinite, &places[3 * seed_of(t, i)], row);
-            if (drops && id >= 0 && is_dropped(t, i, row)) {
-                row.drop_last();
-                ++dropped;
-            }
+            if (areas) add_area_of(far, e, infinite, &places[3 * seed_of(t, i)], row);
         }
         if (!listed) add_infinity();
         if (t.status()[i] != far.status()[i]) fail("status");
@@ -483,7 +446,7 @@ VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyO
         if (!counts) continue;
         std::uint32_t faces = infinite.any() ? 1 : 0;
         for (const std::int32_t id : far.neighbors(i)) faces += sides.has(id) ? 0 : 1;
-        if (t.face_counts()[i] + dropped != faces || t.edge_counts()[i] != far.edge_counts()[i] - infinite.edges() ||
+        if (t.face_counts()[i] != faces || t.edge_counts()[i] != far.edge_counts()[i] - infinite.edges() ||
             t.vertex_counts()[i] != far.vertex_counts()[i] - infinite.vertices())
             fail("numbers of faces, edges or vertices");
     }
@@ -539,8 +502,7 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled s
     const std::span<const double> points = second.points.f64;
     const bool single = t.stats().precision == Precision::single;
     second.list_walls = t.lists_walls();
-    CheckedRun run{second, points.size() / 3, t.stats().box_volume, t.least_face(),
-                   single ? single_tolerance : double_tolerance};
+    CheckedRun run{second, points.size() / 3, t.stats().box_volume, single ? single_tolerance : double_tolerance};
     if (second.subset) run.only = *second.subset;
     std::ranges::sort(run.only);
     run.settled.subset.reset();
@@ -555,13 +517,15 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled s
         return checker.report();
     };
     const auto check_polygons_too = [&](VerifyReport& report) {
-        if (!report.passed || result.face_offsets.empty() || result.least_face != 0) return;
+        if (!report.passed || result.face_offsets.empty()) return;
         report.failure = check_polygons(result);
         report.passed = report.failure.empty();
     };
-    if (std::string why = unprovable(t, result, options); !why.empty()) {
+    if (options.sample || t.is_subset()) {
+        if (!options.sample) sample = {t.size(), options.rng_seed, infinity};
         VerifyReport report = check(sample);
-        report.unproven = std::move(why);
+        report.proven = !options.sample;
+        if (options.sample) report.unproven = "a number of cells was given, which are sampled";
         check_polygons_too(report);
         return report;
     }
@@ -598,6 +562,37 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled s
     return report;
 }
 
+// Whether verify() compares a result with a run of all cells: one without small faces or rows, and one of more seeds
+// than it takes the time of such a run to try.
+bool needs_whole_run(const Tessellation& t, const VerifyOptions& options) {
+    constexpr std::size_t tests = 3000;  // a seed: of the same time as a run of lists and its proof
+    if (t.least_face() > 0) return true;
+    if (options.sample) return false;
+    const bool periodic = t.periodic() != std::array<bool, 3>{};
+    return t.indptr().empty() || (t.is_subset() && t.size() * tests_of_seed(periodic) > tests);
+}
+
+// Verifies a run of all cells and faces, and compares.
+VerifyReport verify_by_whole(const Tessellation& t, const Result& result, Settled second, const VerifyOptions& how) {
+    const Points points = second.points;
+    second.subset.reset();
+    second.list_walls = t.lists_walls();
+    second.want = {.neighbors = true, .volumes = false, .areas = t.least_face() > 0};
+    detail::for_arrays([&](const auto& array) {
+        if (array.word != nullptr && !array.of(result).empty()) second.want.*array.word = true;
+    });
+    const Tessellation whole = tessellate(std::move(second));
+    VerifyReport report = verify(whole, points.f64, how);
+    if (!report.passed) {
+        report.failure = "in a run of all cells: " + report.failure;
+        return report;
+    }
+    report.failure = difference_from_whole(result, detail::result_of(whole), points, tolerance_of(t));
+    report.passed = report.failure.empty();
+    if (t.is_subset() || t.stats().tiny_faces) report.tiny_faces = t.stats().tiny_faces;
+    return report;
+}
+
 }  // namespace
 
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
@@ -616,7 +611,8 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
     if (!report.passed) return report;
     Settled second = second_run(t, result, points);
     std::vector<double> copy;  // read once, see input/snapshot.hpp; verify_cells() makes its own
-    const bool in_box = !t.in_mesh() && !t.planar() && !EndlessSides(second.region).any();
+    const bool by_whole = !t.in_mesh() && needs_whole_run(t, options);
+    const bool in_box = !t.in_mesh() && !t.planar() && !EndlessSides(second.region).any() && !by_whole;
     if (!in_box) {
         copy.assign(points.begin(), points.end());
         second.points = {copy, {}};
@@ -624,6 +620,8 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
     Settled again = second;
     if (t.in_mesh())
         report = verify_in_mesh(t, std::move(second), options);
+    else if (by_whole)
+        report = verify_by_whole(t, result, std::move(second), options);
     else if (t.planar())
         report = verify_plane(t, std::move(second), options);
     else if (EndlessSides(second.region).any())
@@ -634,8 +632,10 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
         if (!t.is_subset() && !report.tiny_faces) report.tiny_faces = count_tiny_faces(t, points);
     }
     report.proven &= report.passed;
-    // Proofs compare all numbers, vertices by polygons; other checks compare rows, volumes and areas.
-    const bool compared = in_box && report.proven && (result.vertices.empty() || !result.face_offsets.empty());
+    // Certificates compare all numbers, vertices by polygons; other checks compare rows, volumes and areas.
+    const bool compared = by_whole ? result.dropped_offsets.empty()
+                                   : in_box && report.proven && !t.is_subset() &&
+                                         (result.vertices.empty() || !result.face_offsets.empty());
     if (report.passed && (t.in_mesh() || (!compared && !options.sample))) {
         std::optional<solid::MeshArrays> mesh;
         std::optional<Rings> rings;

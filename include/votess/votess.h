@@ -428,11 +428,11 @@ VOTESS_API votess_status votess_alpha_array(const votess_alpha* alpha, int32_t k
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. proven: 1 if all cells are proven, else 0; may be NULL. skipped: VOTESS_CHECK_* bits of the checks
 // whose arrays the result lacks; may be NULL. sample: number of cells to clip again; VOTESS_SAMPLE_AUTOMATIC for a
-// proof of all cells, or where there is none for about a second's work. sampled: number of cells clipped again, up to
-// the one that failed; may be NULL. tiny_faces: as by votess_count_tiny_faces, or VOTESS_TINY_FACES_UNKNOWN for a
-// subset, in a mesh and in the plane; may be NULL. failure: failure_size bytes for one line on the first failed check,
-// else ""; zero-terminated, cut if too long; NULL with size 0. unproven: the same for one line on why not all cells are
-// proven.
+// proof of all cells, or for about a second's work where float64 cannot settle it. sampled: number of cells clipped
+// again, up to the one that failed; may be NULL. tiny_faces: as by votess_count_tiny_faces, or
+// VOTESS_TINY_FACES_UNKNOWN for a subset, in a mesh and in the plane; may be NULL. failure: failure_size bytes for one
+// line on the first failed check, else ""; zero-terminated, cut if too long; NULL with size 0. unproven: the same for
+// one line on why not all cells are proven.
 VOTESS_API votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
                                        uint64_t rng_seed, int* passed, int* proven, uint32_t* skipped, size_t* sampled,
                                        uint64_t* tiny_faces, char* failure, size_t failure_size, char* unproven,

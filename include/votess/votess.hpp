@@ -458,10 +458,11 @@ struct VerifyReport {
 // In a mesh this holds for the whole cells. Their parts equal those of a second run on the CPU, have the volumes of
 // their pieces, and sum to the volume of the mesh. Wherever there is no such proof, all arrays equal those of a second
 // run too, unless a sample is given. Skips checks whose arrays the result lacks, and names them in
-// `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
-// With Options::only all seeds clip the cells of the sample, rows are symmetric among those that are there, and the
-// check "volumes" is skipped. There is no proof without neighbors, with Options::only, in a mesh, and after min_face or
-// min_area; nor of rows found in blocks. `unproven` says why. points: the array given to tessellate(). Throws
+// `skipped`.
+// With Options::only all seeds clip the cells, rows are symmetric among those that are there, and the check "volumes"
+// is skipped. Where there are so many cells that it takes longer than a run of all cells, without neighbors, and after
+// min_face or min_area, such a run is made and checked, and each array equals its part of that. There is no proof in a
+// mesh, nor of rows found in blocks; `unproven` says why. points: the array given to tessellate(). Throws
 // invalid_argument when its length differs from that of the run, and for cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});

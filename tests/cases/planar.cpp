@@ -237,6 +237,58 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("planar: small edges leave lists and counts, not perimeters and corners") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        const std::vector<double> corners{0, 0, 9, 1, 8, 8, 1, 7};
+        const std::vector<std::int32_t> sides{0, 1, 1, 2, 2, 3, 3, 0};
+        for (int kind = 0; kind < 5; ++kind)
+            for (const bool walls : {false, true}) {
+                CAPTURE(kind);
+                CAPTURE(walls);
+                test::Random random(140 + static_cast<std::uint64_t>(kind));
+                std::vector<double> points(120);
+                for (double& x : points) x = random.uniform(0, 10);
+                votess::Options options;
+                options.planar = true;
+                options.periodic = {kind == 1, kind == 1, false};
+                options.box = votess::Box{{0, 0, 0}, {10, 10, 0}};
+                if (kind == 2) options.box = votess::Box{{-inf, -inf, 0}, {inf, inf, 0}};
+                if (kind == 3) options.box.reset(), options.mesh = votess::TriangleMesh{corners, sides};
+                options.list_walls = walls;
+                options.want = {
+                    .neighbors = true, .volumes = true, .counts = kind != 3, .areas = true, .surfaces = true};
+                if (kind != 3) options.want.faces = true;
+                const auto whole = votess::tessellate(std::span<const double>(points), options);
+                options.min_area = kind == 4 ? 0 : 0.5;
+                options.min_face = kind == 4 ? 0.3 : 0;
+                const auto t = votess::tessellate(std::span<const double>(points), options);
+                CHECK(std::ranges::equal(t.surface_areas(), whole.surface_areas()));
+                CHECK(std::ranges::equal(t.vertices(), whole.vertices()));
+                CHECK(std::ranges::equal(t.cell_vertex_indices(), whole.cell_vertex_indices()));
+                std::size_t e = 0, dropped = 0;
+                for (std::size_t i = 0; i < whole.size(); ++i) {
+                    const std::size_t before = dropped;
+                    for (auto all = whole.indptr()[i]; all < whole.indptr()[i + 1]; ++all) {
+                        const auto k = static_cast<std::size_t>(all);
+                        if (whole.indices()[k] >= 0 && whole.face_areas()[k] < t.least_face()) {
+                            ++dropped;
+                            continue;
+                        }
+                        REQUIRE(e < t.indices().size());
+                        CHECK(t.indices()[e] == whole.indices()[k]);
+                        CHECK(t.face_areas()[e++] == whole.face_areas()[k]);
+                    }
+                    if (kind != 3) CHECK(t.face_counts()[i] + dropped - before == whole.face_counts()[i]);
+                }
+                CHECK(e == t.indices().size());
+                CHECK(dropped > 4);
+                CHECK(t.stats().faces + dropped == whole.stats().faces);
+                const auto report = votess::verify(t, points);
+                CHECK(report.failure == "");
+                CHECK(report.proven == (kind != 3));
+            }
+    }
+
     TEST_CASE("planar: arrays that are not wanted stay empty, float32 and no points work") {
         const PlanarSet set = test::random_planar_set(2);
         votess::Options options = set.options;

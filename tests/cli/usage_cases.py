@@ -321,9 +321,8 @@ class Usage(CliTest):
         dropped = ["--random", "500", "--verify", "--min-face", "1e-3"]
         summary = self.json(*dropped)
         self.assertEqual([summary[key] for key in ("verified", "proven", "unproven", "verified_cells")],
-                         [True, False, "small faces were dropped", 500])
-        self.assertRegex(self.run_cli(*dropped).stdout, "(?m)^verified +yes, without euler, 500 of 500 cells checked against "
-                                                        "every point, no proof: small faces were dropped$")
+                         [True, True, None, 500])
+        self.assertRegex(self.run_cli(*dropped).stdout, "(?m)^verified +yes, all cells proven$")
         with np.load(self.folder / "out.npz") as arrays:
             self.assertNotIn("indices", arrays.files)  # computed for the check, not requested
 

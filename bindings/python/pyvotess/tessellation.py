@@ -512,13 +512,12 @@ class Tessellation(SeedCells):
         symmetric, and Euler's formula must hold. Without ``sample``, exact signs around each cell prove that all lists,
         shifts and statuses are right, and ``proven`` of the report is true. Sizes, counts and polygons must be those of the
         proven cells. With ``sample``, so many cells drawn with ``rng_seed`` must equal cells that are clipped again by every
-        seed. There is no proof without neighbors, with ``only=``, in a mesh, and after ``min_face`` or ``min_area``;
-        ``unproven`` says why. Then the sample has as many cells as take about a second, at least 64 or all; the number
-        depends on the input alone.
+        seed. There is no proof in a mesh; ``unproven`` says so.
         Checks without their arrays are skipped. In a mesh all this holds for the whole cells; the parts must equal
-        those of a second run on the CPU, and have the volumes of their pieces. With ``only=`` all seeds clip the cells of
-        the sample, rows must be symmetric among those that are there, and "volumes" is skipped. ``tiny_faces`` of the
-        report counts faces far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the
+        those of a second run on the CPU, and have the volumes of their pieces. With ``only=`` all seeds clip the cells,
+        rows must be symmetric among those that are there, and "volumes" is skipped. Without neighbors, after ``min_face``
+        or ``min_area``, and with ``only=`` of thousands, a run of all cells is proven instead, and each array must equal
+        its part of that. ``tiny_faces`` of the report counts faces far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the
         points may be tessellated again.
 
         >>> report = t.verify()
