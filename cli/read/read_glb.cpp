@@ -2,6 +2,7 @@
 // triangles of all nodes of the scene, each moved by the matrices of its node and of those above it.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -66,6 +67,15 @@ public:
         meshes_ = items(document, "meshes");
         accessors_ = items(document, "accessors");
         views_ = items(document, "bufferViews");
+        for (const Json& node : nodes_) {
+            if (node.find("skin")) throw moved("a skin");
+            if (const auto more = node.find("extensions"); more && more->find("EXT_mesh_gpu_instancing"))
+                throw moved("EXT_mesh_gpu_instancing");
+        }
+        for (const auto* const all : {&nodes_, &meshes_})
+            for (const Json& one : *all)
+                for (const Json& weight : items(one, "weights"))
+                    if (weight.number().value_or(1) != 0) throw moved("weights of morph targets");
         surface_.merge = true;
         walk(roots(document));
         if (surface_.triangles.empty()) throw error("its scene has no triangles");
@@ -90,6 +100,10 @@ private:
     };
 
     [[nodiscard]] Failure error(const std::string& message) const { return bad_input(name_ + ": " + message); }
+
+    [[nodiscard]] Failure moved(const std::string& by) const {
+        return error("its vertices are placed by " + by + ", which is not read: export it with them applied");
+    }
 
     static std::vector<Json> items(const Json& object, std::string_view name) {
         const auto found = object.find(name);
@@ -194,7 +208,10 @@ private:
         }
         const auto move = numbers<3>(node, "translation").value_or(std::array<double, 3>{});
         const auto scale = numbers<3>(node, "scale").value_or(std::array<double, 3>{1, 1, 1});
-        const auto [x, y, z, w] = numbers<4>(node, "rotation").value_or(std::array<double, 4>{0, 0, 0, 1});
+        auto [x, y, z, w] = numbers<4>(node, "rotation").value_or(std::array<double, 4>{0, 0, 0, 1});
+        const double length = std::sqrt(x * x + y * y + z * z + w * w);
+        if (!(std::abs(length - 1) < 0x1p-10)) throw error("\"rotation\" of a node is not of length 1");
+        for (double* const part : {&x, &y, &z, &w}) *part /= length;
         const std::array<std::array<double, 3>, 3> turn{
             {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
              {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},

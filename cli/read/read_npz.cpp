@@ -31,8 +31,10 @@ public:
             const ZipMember* const member = find(name);
             if (!member || !input.ids.empty()) continue;
             NpyArray array = open(*member);
-            if (array.is_column() && array.is_whole() && array.shape()[0] == input.size())
-                input.ids = array.read_whole();
+            if (!array.is_column() || array.shape()[0] != input.size()) continue;
+            if (!array.is_whole())
+                throw bad_input(name_ + ": " + name + " are not whole numbers: save them as integers, or leave them out");
+            input.ids = array.read_whole();
         }
         for (std::size_t c = 0; c < request_.columns.size(); ++c)
             read_column(request_.columns[c], c >= request_.first_carried, input);
@@ -111,7 +113,7 @@ private:
         throw bad_input(name_ + ": several arrays could be the points, name one with --dataset: " + list(candidates));
     }
 
-    // Returns the numbers of an array of floats of that shape; empty without one.
+    // Returns the numbers of an array of that shape, with any number of rows for 0; empty without such an array.
     [[nodiscard]] std::vector<double> numbers(const char* name, std::size_t rows, std::size_t columns) const {
         std::vector<double> values;
         const ZipMember* const member = find(name);
@@ -120,23 +122,26 @@ private:
         const auto& shape = array.shape();
         const bool fits = shape.size() == (columns == 1 ? 1 : 2) && (rows == 0 || shape[0] == rows) &&
                           (columns == 1 || shape[1] == columns);
-        if (fits && array.is_float()) array.read_floats(values);
+        if (!fits || !(array.is_float() || array.is_whole()))
+            throw bad_input(name_ + ": " + name + " does not hold numbers with shape (" +
+                            (rows == 0 ? std::string("W") : std::to_string(rows)) + ", " +
+                            (columns == 1 ? std::string() : std::to_string(columns)) +
+                            "), which state a domain beside box and periodic: leave one of these out");
+        if (array.is_float()) return array.read_floats(values), values;
+        for (const std::int64_t whole : array.read_whole()) values.push_back(static_cast<double>(whole));
         return values;
     }
 
     // Reads the domain in the arrays that clvotess writes.
     void read_domain(Input& input) const {
+        if (!find("box") || !find("periodic")) return;
         const std::size_t size = input.dimensions;
-        const std::vector<double> box = numbers("box", 2, size);
-        const ZipMember* const axes = find("periodic");
-        if (box.empty() || !axes) return;
-        NpyArray array = open(*axes);
-        if (!array.is_column() || array.shape()[0] != size || !array.is_whole()) return;
-        const std::vector<std::int64_t> flags = array.read_whole();
+        const std::vector<double> flags = numbers("periodic", size, 1), cell = numbers("cell", size, size),
+                                  origin = numbers("origin", size, 1);
         std::array<bool, 3> periodic{};
         for (std::size_t k = 0; k < size; ++k) periodic[k] = flags[k] != 0;
-        input.domain = stated_domain(box, periodic, numbers("cell", size, size), numbers("origin", size, 1),
-                                     numbers("walls", 0, size + 1));
+        if (!cell.empty() && origin.empty()) throw bad_input(name_ + ": there is a cell, and no array \"origin\"");
+        input.domain = stated_domain(numbers("box", 2, size), periodic, cell, origin, numbers("walls", 0, size + 1));
     }
 
     // Returns the names of the arrays of x, y and perhaps z.

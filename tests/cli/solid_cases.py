@@ -326,6 +326,10 @@ class Mesh(CliTest):
                 ("b.glb", glb([{"mesh": 0}], [{"attributes": {"POSITION": 0}}], [np.zeros((9, 3), "f4")])
                  .replace(b'"count": 9', b'"count":99'), "accessor 0 reaches beyond its bytes"),
                 ("b.glb", glb_cube().replace(b'[{"byteLength"', b'[{"uri":"","b"'), ['"uri"', "write .ply"]),
+                ("b.glb", glb([{"mesh": 0, "skin": 0}], [], []), "placed by a skin"),
+                ("b.glb", glb([{"mesh": 0, "weights": [0, 0.5]}], [], []), "placed by weights"),
+                ("b.glb", glb([{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}], [], []), "placed by EXT_mesh"),
+                ("b.glb", glb([{"mesh": 0, "rotation": [0, 0, 1, 1]}], [], []), "not of length 1"),
                 ("b.glb", glb([], [], [], extensionsRequired=["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
                 ("b.off", OFF.replace("4 0 4 6 2  255 0 0\n", "").replace("8 6", "8 5"), ["edge between vertices 0 (0, 0, 0) and 2 (0, 1, 0)", "4 edges", "close the hole"]),
                 ("b.off", OFF.replace("4 0 4 6 2", "4 2 6 4 0"), "reverse one of them"),
