@@ -334,7 +334,8 @@ void add_area_of(const Tessellation& far, std::size_t entry, const AtInfinity& i
             longest = std::max(longest, std::abs(place[k]));
         }
     }
-    const double unit = longest > 0x1p-1000 && longest < 0x1p1000 ? power_of_two(-exponent_above(longest)) : 1;
+    constexpr int largest_exponent = 1020;  // its inverse is a number too
+    const double unit = power_of_two(-std::clamp(exponent_above(longest), -largest_exponent, largest_exponent));
     std::array<double, 3> doubled{};
     double square = 0;  // of the largest distance from the seed, with which areas are rounded
     for (auto& place : places) {

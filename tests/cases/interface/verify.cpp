@@ -875,6 +875,23 @@ TEST_SUITE("cases") {
     }
 
     // Rows of more than 512 faces are looked through in blocks.
+    TEST_CASE("verify passes cells of the plane without end at any length") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        test::Random random(117);
+        for (const int exponent : {-1000, -500, 0, 500, 1000})
+            for (int set = 0; set < 4; ++set) {
+                CAPTURE(exponent);
+                CAPTURE(set);
+                test::Coordinates points(10);
+                for (double& x : points) x = std::ldexp(static_cast<double>(random.below(65)) / 64, exponent);
+                votess::Options options;
+                options.planar = true;
+                options.box = votess::Box{{-inf, -inf, 0}, {inf, inf, 0}};
+                options.want = {.neighbors = true, .volumes = true, .areas = true};
+                CHECK(votess::verify(votess::tessellate(std::span<const double>(points), options), points).failure == "");
+            }
+    }
+
     TEST_CASE("verify proves a cell of many faces, and finds what is wrong with it") {
         test::Coordinates points{0, 0, 0};
         test::Random random(117);
