@@ -33,7 +33,8 @@ public:
             NpyArray array = open(*member);
             if (!array.is_column() || array.shape()[0] != input.size()) continue;
             if (!array.is_whole())
-                throw bad_input(name_ + ": " + name + " are not whole numbers: save them as integers, or leave them out");
+                throw bad_input(name_ + ": " + name +
+                                " are not whole numbers: save them as integers, or leave them out");
             input.ids = array.read_whole();
         }
         for (std::size_t c = 0; c < request_.columns.size(); ++c)

@@ -328,9 +328,15 @@ bool Newton::run(Vector weights) {
     start_from_fewer();
     choose_share();
     first_residual_ = now_.residual;
+    constexpr unsigned idle = 50;
+    double least = now_.residual;
+    unsigned least_at = out_.steps;
     for (; !(now_.residual <= options_.tolerance) || lift_ > 0; ++out_.steps) {
+        if (now_.residual < 0.999 * least) least = now_.residual, least_at = out_.steps;
         if (out_.steps == options_.max_steps)
-            why_ = "raise FitOptions::max_steps";
+            why_ = out_.steps - least_at < idle
+                       ? "raise FitOptions::max_steps"
+                       : "the last " + std::to_string(out_.steps - least_at) + " steps came no nearer";
         else if (!(now_.residual <= options_.tolerance) && !advance())
             why_ = now_.residual < near ? "no step comes nearer, raise FitOptions::tolerance" : "no step comes nearer";
         if (!why_.empty()) break;

@@ -177,6 +177,18 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("fit: an error says that more steps do not help, where float64 has no such weights") {
+        const double next = std::nextafter(0.5, 1.0);  // two seeds are one bit apart
+        const std::vector<double> points{0.5, 0.5, 0.5, next, 0.5, 0.5, 0.9, 0.1, 0.5, 0.1, 0.2, 0.3};
+        const std::vector<double> targets{0.3, 0.35, 0.3, 0.05};
+        Options options;
+        options.box = test::cube(0, 1);
+        CHECK_THROWS_WITH_AS((void)votess::fit_volumes(points, targets, options, {.max_steps = 100}),
+                             doctest::Contains("steps came no nearer"), FitError);
+        CHECK_THROWS_WITH_AS((void)votess::fit_volumes(points, targets, options, {.max_steps = 5}),
+                             doctest::Contains("raise FitOptions::max_steps"), FitError);
+    }
+
     TEST_CASE("fit: weights at the start as radii") {
         Grains g = grains(300, false);
         std::vector<double> radii(300, 0.5);

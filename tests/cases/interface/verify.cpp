@@ -888,7 +888,8 @@ TEST_SUITE("cases") {
                 options.planar = true;
                 options.box = votess::Box{{-inf, -inf, 0}, {inf, inf, 0}};
                 options.want = {.neighbors = true, .volumes = true, .areas = true};
-                CHECK(votess::verify(votess::tessellate(std::span<const double>(points), options), points).failure == "");
+                CHECK(votess::verify(votess::tessellate(std::span<const double>(points), options), points).failure ==
+                      "");
             }
     }
 
