@@ -92,10 +92,11 @@ void CpuClipper::sort(std::span<const std::int32_t> order, Keep keep) {
     if (seeds_.duplicates > 0 && job_.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
+        const exact::Point place{job_.points[3 * index], job_.points[3 * index + 1], job_.points[3 * index + 2]};
         throw Error(ErrorCode::invalid_argument,
-                    "point " + std::to_string(index) + ": (" + number(job_.points[3 * index]) + ", " +
-                        number(job_.points[3 * index + 1]) + ", " + number(job_.points[3 * index + 2]) +
-                        ") is a duplicate of point " + std::to_string(*first));
+                    "point " + std::to_string(index) + ": " +
+                        in_parentheses(std::span(place).first(job_.region.thickness > 0 ? 2 : 3)) +
+                        " is a duplicate of point " + std::to_string(*first));
     }
     sorted_ = true;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/at.hpp"
 #include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
@@ -320,9 +321,8 @@ bool Newton::run(Vector weights) {
     if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh, or outside of a periodic domain
         if (problem_.is_part) return false;
         const double* const p = problem_.points.data() + 3 * smallest_cell;
-        refuse("without weights the point (" + number(p[0]) + ", " + number(p[1]) +
-               (problem_.dimensions == 3 ? ", " + number(p[2]) : "") + ") has no cell, move it into the " +
-               (problem_.run.region.mesh ? "mesh" : "domain"));
+        refuse("without weights the point " + in_parentheses({p, at(problem_.dimensions)}) +
+               " has no cell, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain"));
     }
     sink();
     start_from_fewer();

@@ -129,10 +129,6 @@ std::string distance_text(double distance, double rounding) {
     return (distance > rounding ? ", by " : ", by less than ") + std::string(digits.data());
 }
 
-std::string in_parentheses(const exact::Point& x) {
-    return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
-}
-
 // Returns whether all coordinates are finite. Has no branches.
 template <class T>
 bool find_bounds(std::span<const T> coordinates, Box& bounds) {

@@ -185,6 +185,7 @@ void Prism::add_sides() {
         size += std::abs(part) + std::abs(other);
     }
     constexpr double rounding = 1e-12;
+    if (area == 0) refuse_mesh("its rings enclose no area");
     if (area < -rounding * size)
         refuse_mesh("its rings run clockwise, so that they enclose the area " + number(area) +
                     ": reverse them; the domain is on the left of each edge");

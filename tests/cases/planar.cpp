@@ -340,5 +340,15 @@ TEST_SUITE("cases") {
         CHECK_THROWS_WITH_AS((void)votess::count_tiny_faces(t, points), doctest::Contains("three dimensions"),
                              votess::Error);
         CHECK_THROWS_AS((void)votess::tessellate(std::span<const double>(points).first(3), options), votess::Error);
+        const std::vector<double> twice{0, 0.5, 1, 1, 0, 0.5};
+        options.duplicates = votess::Duplicates::error;
+        CHECK_THROWS_WITH((void)votess::tessellate(std::span<const double>(twice), options),
+                          doctest::Contains("(0, 0.5) is a duplicate of point 0"));
+        const std::vector<double> line{0, 0, 1, 0, 2, 0};
+        const std::vector<std::int32_t> ring{0, 1, 1, 2, 2, 0};
+        options.box.reset();
+        options.mesh = votess::TriangleMesh{line, ring};
+        CHECK_THROWS_WITH((void)votess::tessellate(std::span<const double>(points).first(2), options),
+                          doctest::Contains("its rings enclose no area"));
     }
 }
