@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t task_seeds = 4096, tasks_per_thread = 2, cells_per_check = 4096,
                       chunk_bytes = std::size_t{1} << 20;
+constexpr double unit = 0x1p-53;
 constexpr std::size_t max_tested = 512, min_sample = 32, sample_share = 256, max_sample = 1024;
 // Shares of cells, from which on a fresh call is faster: those of a sample that have wrong signs, those of it that must
 // be made again, and all pending ones.
@@ -32,14 +33,34 @@ constexpr std::size_t rows_sample = 64;
 constexpr unsigned unmatched_until_record = 16, max_skipped = 4;  // calls
 constexpr std::size_t max_flips = 256;                            // for one cell and those that it changes
 
+// Returns the numbers that make a box, and then those of its further walls.
+constexpr std::size_t box_numbers = 18;
+std::vector<double> numbers_of(const Domain& domain) {
+    std::vector<double> numbers;
+    const auto add = [&](const std::array<double, 3>& x) { numbers.insert(numbers.end(), x.begin(), x.end()); };
+    add(domain.box.lower);
+    add(domain.box.upper);
+    add(domain.origin);
+    for (const auto& vector : domain.vector) add(vector);
+    for (const exact::Plane& wall : domain.walls) {
+        add(wall.seed);
+        numbers.push_back(wall.wall);
+    }
+    return numbers;
+}
+
+double distance_from(const SignWall& wall, const double* x) {
+    return wall.offset - (wall.n[0] * x[0] + wall.n[1] * x[1] + wall.n[2] * x[2]);
+}
+
 }  // namespace
 
 bool KeptCells::follows(const Job& job) {
     const Domain& domain = *job.domain;
     // Vertices are where the first cell of a stretch finds them.
     const bool plain = !job.want.vertices && !job.only && !job.probes_of && job.row_order.empty();
-    return plain && job.outside.empty() && job.beyond.empty() && !domain.has_cell_walls() && !domain.skewed &&
-           domain.walls.empty() && job.points.count() > 0;
+    return plain && job.outside.empty() && job.beyond.empty() && !domain.skewed &&
+           domain.walls.empty() == domain.facets.empty() && job.points.count() > 0;
 }
 
 void KeptCells::clear() {
@@ -65,9 +86,7 @@ void KeptCells::set_frame(const Job& job) {
     frame_.weighted = domain.has_weights();
     double largest = 0, longest = 0, shortest = infinity;
     for (std::size_t k = 0; k < 3; ++k) {
-        frame_.lower[k] = domain.box.lower[k];
-        frame_.upper[k] = domain.box.upper[k];
-        largest = std::max({largest, std::abs(frame_.lower[k]), std::abs(frame_.upper[k])});
+        largest = std::max({largest, std::abs(domain.box.lower[k]), std::abs(domain.box.upper[k])});
         frame_.point[k] = domain.origin[k];
     }
     for (std::size_t j = 0; j < 3; ++j) {
@@ -84,12 +103,54 @@ void KeptCells::set_frame(const Job& job) {
         if (domain.periodic[j]) shortest = std::min(shortest, domain.reduced.width[j]);
     }
     frame_.reach_squared = infinity;
+    if (domain.is_periodic()) frame_.slack = 32 * unit * (largest + 2 * longest);
+    set_walls(domain, largest);
     if (!domain.is_periodic()) return;
-    constexpr double u = 0x1p-53;
-    frame_.slack = 32 * u * (largest + 2 * longest);
     // The distances of a corner from its seeds differ by their weights.
     const double heavier = domain.has_weights() ? domain.largest_weight - domain.min_weight : 0;
     frame_.reach_squared = (0.25 * shortest * shortest - heavier) * (1 - 0x1p-20);
+}
+
+// The rounding errors of n, the offset and the distance are below 16 u of their terms. Within walls the point is
+// rounded to floats, because the middle depends on a seed in its last digits.
+void KeptCells::set_walls(const Domain& domain, double largest) {
+    walls_.clear();
+    frame_.wall_error = 0;
+    const auto add = [&](const exact::Plane& wall, double sign) {
+        SignWall& out = walls_.emplace_back();
+        if (!wall.is_oblique()) {
+            out.n[wall.axis] = sign;
+            out.offset = sign * wall.wall;
+            return;
+        }
+        const bool given = wall.kind == exact::Plane::Kind::wall;
+        const exact::Point normal = given ? wall.seed : wall.rounded_normal();
+        const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        out.offset = given ? wall.wall / length : 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            out.n[k] = normal[k] / length;
+            if (!given) out.offset += out.n[k] * (wall.seed[k] + wall.shift[wall.axis] * domain.vector[wall.axis][k]);
+        }
+        const double terms = std::abs(out.offset) + 6 * largest;
+        frame_.wall_error = std::max(frame_.wall_error, 16 * unit * terms + 2 * frame_.slack);
+    };
+    for (int wall = 0; wall < 6; ++wall)
+        if (domain.has_box_wall(wall))
+            add(domain.box_wall(wall), wall % 2 == 0 ? -1 : 1);
+        else
+            walls_.emplace_back();
+    for (const exact::Plane& wall : domain.walls) add(wall, 1);
+    frame_.walls = walls_.data();
+    if (domain.walls.empty()) return;
+    const auto clearance = [&](const double* x) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const SignWall& wall : walls_) least = std::min(least, distance_from(wall, x));
+        return least;
+    };
+    constexpr double share[3] = {0.3123456789, -0.2876543211, 0.2031415926};  // no place of a lattice
+    const double away = clearance(domain.middle.data());
+    for (std::size_t k = 0; k < 3; ++k) frame_.point[k] = static_cast<float>(domain.middle[k] + away * share[k]);
+    if (!(clearance(frame_.point) > frame_.wall_error)) frame_.reach_squared = 0;
 }
 
 // Wrapped to rounding, which is enough for an estimate.
@@ -240,6 +301,8 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
     test_ = sign_tester(instructions);
     if (job.domain->periodic != periodic_ || !(complete_ || sampled_)) return Plan::record;
     if (complete_ && made_ > made_until_sort * count_) return Plan::record;
+    const auto given = numbers_of(*job.domain);
+    if (std::max(given.size(), given_.size()) > box_numbers && given != given_) return Plan::sample;
     set_frame(job);
     if (!(frame_.reach_squared > 0)) return Plan::none;
     const bool others = job.points.count() != count_;
@@ -283,6 +346,11 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         worker.later.clear();
         worker.unmended.clear();
     }
+    auto given = numbers_of(*job.domain);
+    settled = settled && given == given_;
+    given_ = std::move(given);
+    facets_ = job.domain->facets;
+    facet_seeds_.resize(facets_.size());
     std::atomic<bool> any_moves = false;
     const auto for_seeds = [&](const auto& visit) {
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
@@ -692,9 +760,31 @@ bool KeptCells::any_equal() const {
     return std::ranges::adjacent_find(doubtful) != doubtful.end();
 }
 
+bool KeptCells::meets_walls() {
+    const auto has_face = [&](std::size_t f) {
+        const std::size_t s = facet_seeds_[f];
+        return s < count_ && cell(s).exists() && std::ranges::find(cell(s).ids(), facets_[f]) != cell(s).ids().end();
+    };
+    std::size_t met = 0;
+    while (met < facets_.size() && has_face(met)) ++met;
+    if (met == facets_.size()) return true;
+    std::vector<std::size_t> with_face(walls_.size(), count_);  // some seed
+    for (std::size_t s = 0; s < count_; ++s) {
+        if (!cell(s).exists()) continue;
+        for (const std::int32_t id : cell(s).ids()) {
+            if (id >= 0) break;
+            if (id != KeptCell::no_seed) with_face[static_cast<std::size_t>(-1 - id)] = s;
+        }
+    }
+    std::ranges::transform(facets_, facet_seeds_.begin(),
+                           [&](std::int32_t wall) { return with_face[static_cast<std::size_t>(-1 - wall)]; });
+    return std::ranges::find(facet_seeds_, count_) == facet_seeds_.end();
+}
+
 // Made cells are right, so none of them is over the point if a kept one is and has less power there than all their
 // seeds.
 bool KeptCells::covers_once() {
+    if (!meets_walls()) return false;
     std::vector<std::size_t>& over = over_;
     std::erase_if(over, [&](std::size_t s) { return !is_still(s); });  // no other still cell is over it
     for (const Worker& worker : workers_) over.insert(over.end(), worker.over_point.begin(), worker.over_point.end());

@@ -25,9 +25,16 @@
 // Where seeds come or go, those of the last call are found by their places (follow/match_seeds.hpp). A new seed has no
 // cell, and the cells next to one that has left count as tied. So both are pending.
 //
-// Axis-aligned walls bound no region but the box, so corners need no test against other walls. Images are told apart
-// because all corners are nearer to their seeds than half of the least width of a period. So at most one image of a
-// cell is over a place: the one whose way to it is less than half of each short vector, in multiples of these.
+// Corners need no test against the walls of other cells. A cell lies inside of its own walls. So the number of cells
+// over a place, 1 in the domain, does not grow where a line from there crosses a wall outward, and is 0 or 1 beyond. In
+// the plane of a wall the same is true of the faces there: they share whole edges, which end at other walls. So if a
+// wall has a face anywhere, it has one at each place where it bounds the domain, and no cell is beyond. meets_walls()
+// finds a face of each wall that bounds the domain. The walls of a box alone bound no other region, and need no face.
+// Walls that change may touch cells without a face, in a tie that no cell knows. Then no cell is kept.
+//
+// Images are told apart because all corners are nearer to their seeds than half of the least width of a period. So at
+// most one image of a cell is over a place: the one whose way to it is less than half of each short vector, in
+// multiples of these.
 #pragma once
 
 #include <array>
@@ -136,6 +143,9 @@ private:
     };
 
     void set_frame(const Job& job);
+    void set_walls(const Domain& domain, double largest);  // largest: coordinate
+    // Whether each wall that bounds the domain has a face.
+    [[nodiscard]] bool meets_walls();
     [[nodiscard]] SeedPlace place_of(const Job& job, std::size_t row) const;
     [[nodiscard]] bool rows_change(const Job& job) const;
     [[nodiscard]] bool match(const Job& job);
@@ -172,6 +182,10 @@ private:
     bool complete_ = false, sampled_ = false;  // cells_ has all cells, or those of the sample
     std::size_t count_ = 0, made_ = 0;         // made_: since the sort
     std::array<bool, 3> periodic_{};
+    std::vector<double> given_;  // see numbers_of()
+    std::vector<SignWall> walls_;
+    std::vector<std::int32_t> facets_;      // Domain::facets
+    std::vector<std::size_t> facet_seeds_;  // of each: a seed whose cell had a face there
     std::size_t sample_step_ = 1;
     unsigned unmatched_ = 0;  // calls with other numbers of seeds than those of the sample
     // Samples in a row of which by far too many cells were wrong, and calls until the next one is stored.
