@@ -9,6 +9,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "follow/hiding_seeds.hpp"
 #include "follow/match_seeds.hpp"
 
 namespace votess::cpu {
@@ -69,6 +70,7 @@ void KeptCells::clear() {
     order_ = {};
     cells_ = {};
     faces_ = {};
+    hiding_ = {};
     workers_.clear();
     state_.reset();
     always_.reset();
@@ -239,6 +241,7 @@ bool KeptCells::match(const Job& job) {
     cells_ = std::move(cells);
     faces_ = std::move(faces);
     always_ = std::move(always);
+    hiding_.clear();
     count_ = order.size();
     state_ = std::make_unique<std::atomic<std::uint8_t>[]>(count_);
     order_.resize_uninitialized(count_);
@@ -257,6 +260,7 @@ bool KeptCells::sample_pays(const Job& job) {
     };
     std::size_t tested = 0, wrong = 0, made = 0, hidden = 0, beside = 0;
     auto signs = std::make_unique<SignTest>();
+    hiding_.resize(count_);
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step = complete_ ? std::max<std::size_t>(1, count_ / max_tested) : sample_step_;
     const std::size_t total = std::max(count_ / step, min_sample);
@@ -273,9 +277,15 @@ bool KeptCells::sample_pays(const Job& job) {
         for (std::size_t s = begin; s < std::min(count_, begin + sample_block); ++s) {
             ++tested;
             const KeptCell cell = this->cell(s);
+            if (frame_.weighted && !cell.exists() && faces_[s] == 0) {
+                place(s);
+                if (hiding_[s] != nullptr)
+                    for (const std::int32_t id : KeptCell(hiding_[s]).ids()) place(static_cast<std::size_t>(id));
+                hidden += complete_ && hides(s, workers_.front()) ? 0 : 1;
+                continue;
+            }
             if (!cell.exists() || cell.head().tied) {
-                const bool is_hidden = frame_.weighted && !cell.exists() && faces_[s] == 0;
-                ++(is_hidden ? hidden : made);
+                ++made;
                 continue;
             }
             place(s);
@@ -392,6 +402,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     places_.resize_uninitialized(count_);
     cells_.assign(count_, nullptr);
     faces_.assign(count_, 0);
+    hiding_.clear();
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
     for_seeds([&](std::size_t s, bool) {
         order_[s] = seeds.input[s];
@@ -544,6 +555,18 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         if (!found[v]) mark_around(before, old[v]);
 }
 
+bool KeptCells::hides(std::size_t seed, Worker& worker) {
+    std::byte*& four = hiding_[seed];
+    if (four != nullptr && hide(frame_, test_, seed, KeptCell(four), worker.signs)) return true;
+    alignas(8) std::array<std::byte, hiding_bytes> found;
+    if (!find_hiding_seeds(frame_, cells_, seed, found) ||
+        !hide(frame_, test_, seed, KeptCell(found.data()), worker.signs))
+        return false;
+    if (four == nullptr) four = allocate(hiding_bytes, worker);
+    std::ranges::copy(found, four);
+    return true;
+}
+
 // Tests the signs of a cell.
 bool KeptCells::is_right(std::size_t seed, Worker& worker) {
     const KeptCell cell = this->cell(seed);
@@ -677,6 +700,12 @@ bool KeptCells::is_no_farther(std::size_t seed) const {
 // Each task has a range of seeds and flips where all five are in it, so that threads need no locks. The second time
 // ranges begin at the middles of the first ones. One thread does the rest.
 void KeptCells::test(ThreadPool& pool) {
+    hiding_.resize(count_);
+    pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned index) {
+        for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s)
+            if (cells_[s] == nullptr && !(frame_.weighted && faces_[s] == 0 && hides(s, workers_[index])))
+                mark(static_cast<std::int32_t>(s));
+    });
     const std::size_t length =
         pool.size() == 1 ? count_ : std::max(task_seeds, ceil_div(count_, tasks_per_thread * pool.size()));
     pool.run(ceil_div(count_, length), [&](std::size_t task, unsigned index) {
@@ -689,7 +718,8 @@ void KeptCells::test(ThreadPool& pool) {
                 for (const std::uint8_t f : this->cell(s + 2).planes())
                     __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(this->cell(s + 2).ids()[f], 0))]);
             const KeptCell cell = this->cell(s);
-            if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
+            if (!cell.exists()) continue;
+            if (cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));
             else if ((found_[s] & right) == 0 && !is_still(s))
                 mend(s, range, worker);
@@ -737,7 +767,8 @@ bool KeptCells::pays(std::size_t pending) const {
 }
 
 // Seeds that share a bucket are compared.
-bool KeptCells::any_equal() const {
+bool KeptCells::any_equal(Among among) const {
+    const auto counts = [&](std::size_t s) { return among == Among::all_seeds || is_hidden(s); };
     const std::size_t buckets = std::bit_ceil(16 * count_);
     const auto bucket = [&](const SeedPlace& at) {
         std::uint64_t hash = 0;
@@ -748,13 +779,14 @@ bool KeptCells::any_equal() const {
     std::vector<std::uint64_t> met(ceil_div(buckets, 64)), shared(met.size());
     const auto bit = [](std::uint64_t b) { return std::uint64_t{1} << b % 64; };
     for (std::size_t s = 0; s < count_; ++s) {
+        if (!counts(s)) continue;
         const std::uint64_t b = bucket(places_[s]);
         shared[b / 64] |= met[b / 64] & bit(b);
         met[b / 64] |= bit(b);
     }
     std::vector<std::array<double, 3>> doubtful;
     for (std::size_t s = 0; s < count_; ++s)
-        if (const std::uint64_t b = bucket(places_[s]); (shared[b / 64] & bit(b)) != 0)
+        if (const std::uint64_t b = bucket(places_[s]); counts(s) && (shared[b / 64] & bit(b)) != 0)
             doubtful.push_back({places_[s].x[0], places_[s].x[1], places_[s].x[2]});
     std::ranges::sort(doubtful);
     return std::ranges::adjacent_find(doubtful) != doubtful.end();

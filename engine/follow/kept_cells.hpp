@@ -14,8 +14,8 @@
 // covers_once() finds that it is 1. Let power_i(x) = |x - p_i|^2 - w_i, and let k be the cell at x. Along a line off
 // all edges, power_k(x) - |x|^2 is linear in each cell. Its slope falls at each face, because the neighbor lies beyond
 // the face. Such a function lies below the line of its last piece. So power_k(x) <= power_m(x) for each seed m that has
-// a cell: the cells are the diagram of these seeds. Seeds without a cell are always pending. So they are hidden among
-// all seeds.
+// a cell: the cells are the diagram of these seeds.
+// A seed without a cell is pending, unless four others certainly hide it (follow/hiding_seeds.hpp).
 //
 // Where a seed and all its neighbors stay where they were, the signs of a kept cell stay right without a test.
 //
@@ -99,10 +99,13 @@ public:
     void take_pending(std::vector<std::int32_t>& out);
     // Whether it pays to make so many.
     [[nodiscard]] bool pays(std::size_t pending) const;
+    enum class Among { all_seeds, hidden_seeds };
     // Whether two seeds are at the same place.
-    [[nodiscard]] bool any_equal() const;
+    [[nodiscard]] bool any_equal(Among among) const;
     [[nodiscard]] bool covers_once();
     [[nodiscard]] bool is_kept(std::size_t seed) const { return state_[seed].load(std::memory_order_relaxed) == kept; }
+    // Whether a seed is kept without a cell.
+    [[nodiscard]] bool is_hidden(std::size_t seed) const { return is_kept(seed) && cells_[seed] == nullptr; }
     // Whether a kept cell has the faces that it had in the last call.
     [[nodiscard]] bool has_same_faces(std::size_t seed) const { return (found_[seed] & new_faces) == 0; }
     [[nodiscard]] KeptRows& rows() { return rows_; }
@@ -162,6 +165,8 @@ private:
         std::uint8_t expected = kept;
         state_[static_cast<std::size_t>(id)].compare_exchange_strong(expected, pending, std::memory_order_relaxed);
     }
+    // Whether four seeds certainly hide this one: those of the last call, or others.
+    [[nodiscard]] bool hides(std::size_t seed, Worker& worker);
     [[nodiscard]] bool is_right(std::size_t seed, Worker& worker);
     bool find_flip_of(std::size_t seed, Range range, Worker& worker);
     void flip(const Flip& flip, Worker& worker);
@@ -194,6 +199,7 @@ private:
     Buffer<std::int32_t> order_;
     std::vector<std::byte*> cells_;    // by sorted seed
     std::vector<std::uint8_t> faces_;  // of each; 0 of a seed without a cell, the most of one that is too large
+    std::vector<std::byte*> hiding_;   // with weights, of each without a cell: seeds that hide it, or null
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
     Buffer<SeedPlace> places_;

@@ -55,6 +55,7 @@ struct alignas(64) SignTest {
     alignas(32) double corner[CellShape::max_corners][4];  // in homogeneous numbers
     double corner_margin[CellShape::max_corners];
     double test_margin[max_tests];
+    double test_bound;    // on the errors of these
     bool tested = false;  // else there are no margins
 };
 

@@ -101,6 +101,7 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
     const double w_bound = square * (4 * error + 14 * u * length);
     const double x_bound = length * size * (20 * error + 48 * u * length);
     const double bound = size * square * (32 * error + 90 * u * length);
+    out.test_bound = bound;
     const double reach2 = frame.reach_squared;
     int wrong = 0;
     const KeptCell::Corner* const corner = cell.corners().data();

@@ -140,6 +140,51 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("follow: hidden seeds stay so, appear, and become equal") {
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            Moving m(2000);
+            m.options.periodic = {periodic, periodic, periodic};
+            std::vector<double> weights(2000);
+            for (double& weight : weights) weight = 1.2 * m.spacing * m.spacing * m.random.uniform();
+            m.options.weights = weights;
+            std::vector<std::size_t> hidden;
+            const votess::Tessellation t = votess::tessellate(m.points, m.options);
+            for (std::size_t i = 0; i < weights.size(); ++i)
+                if (t.status()[i] == votess::CellStatus::empty) hidden.push_back(i);
+            REQUIRE(hidden.size() > 100);
+            const double share = 1 - static_cast<double>(hidden.size()) / 2000;
+            CHECK(m.call() == 0);
+            CHECK(m.call() == share);
+            m.move(1e-5);
+            CHECK(m.call() > 0.95 * share);
+            for (std::size_t k = 0; k < 3; ++k) weights[hidden[k]] += 2 * m.spacing * m.spacing;  // three appear
+            m.options.weights = weights;
+            CHECK(m.call() > 0.9 * share);
+            for (std::size_t k = 0; k < 3; ++k) weights[hidden[k]] -= 2 * m.spacing * m.spacing;
+            m.options.weights = weights;
+            CHECK(m.call() > 0.9 * share);
+            CHECK(m.call() == share);
+            const std::size_t from = hidden[10], to = hidden[11];
+            std::copy_n(&m.points[3 * from], 3, &m.points[3 * to]);
+            weights[to] = 0.5 * weights[from];
+            m.options.weights = weights;
+            CHECK(m.call() >= 0);
+            weights[to] = weights[from];
+            m.options.weights = weights;
+            CHECK(m.call() == 0);
+        }
+    }
+
+    // All seeds that are surely hidden are left out, which takes less time.
+    TEST_CASE("follow: nothing is kept where most seeds are surely hidden") {
+        Moving m(5000);
+        std::vector<double> weights(5000);
+        for (double& weight : weights) weight = m.random.uniform();
+        m.options.weights = weights;
+        for (int step = 0; step < 3; ++step) CHECK(m.call() == 0);
+    }
+
     // Neighbors of the same cluster are near, those of others far, and corners are far from all of them.
     TEST_CASE("follow: tight clusters whose cells fill much of the box") {
         for (const bool periodic : {false, true}) {

@@ -123,6 +123,7 @@ void change(Job& job, const Job& first, Random& random) {
     } else if (how == 1) {  // a duplicate
         const auto i = seed(), j = seed();
         std::copy_n(&job.points[3 * j], 3, &job.points[3 * i]);
+        if (!job.weights.empty() && random.chance(0.5)) job.weights[i] = job.weights[j];
     } else if (how == 2 && count > 2) {
         job = job.without(seed(), count);
     } else if (how == 3) {  // all in one direction
