@@ -74,8 +74,8 @@ void CpuClipper::sort(std::span<const std::int32_t> order, Keep keep) {
     unwrapped_.reset();
     const auto bury = [&] {
         bury_lighter();
-        if (keep == Keep::unburied && job_.domain->has_weights() && job_.beyond.empty())
-            drop_buried(*job_.domain, *pool_, seeds_, buried_);
+        if (keep != Keep::all && job_.domain->has_weights() && job_.beyond.empty())
+            drop_buried(*job_.domain, *pool_, keep == Keep::all_unless_most, seeds_, buried_);
     };
     if (job_.domain->is_periodic())
         images_.sort(job_, order, sorter_, *pool_, seeds_, bury);

@@ -45,8 +45,8 @@ public:
     [[nodiscard]] const SortedSeeds& seeds() const { return seeds_; }
     [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
 
-    // Which seeds of a power diagram sort() keeps: all, or none that are surely buried.
-    enum class Keep { all, unburied };
+    // Which seeds of a power diagram sort() keeps: all; none that are surely buried; all unless most are.
+    enum class Keep { all, unburied, all_unless_most };
     // The stages of a full run, in this order. order: of an earlier sort of all seeds, to be used again, or none.
     void sort(std::span<const std::int32_t> order = {}, Keep keep = Keep::all);
     void build_search();

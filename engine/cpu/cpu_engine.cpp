@@ -50,8 +50,8 @@ void CpuEngine::clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock
     using Plan = KeptCells::Plan;
     clock.enter(&StageSeconds::sort);
     // Rows do not depend on it, but last digits of vertices do, which are those of a run that follows.
-    const bool keeps_all = job.follow || job.want.vertices;
-    clipper_.sort({}, keeps_all ? CpuClipper::Keep::all : CpuClipper::Keep::unburied);
+    using Keep = CpuClipper::Keep;
+    clipper_.sort({}, job.want.vertices ? Keep::all : plan == Plan::none ? Keep::unburied : Keep::all_unless_most);
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
     lend(job);                        // before the search structure takes more memory

@@ -20,7 +20,7 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
     std::size_t made = 0;
     for (kept.take_pending(order_); !order_.empty(); kept.take_pending(order_)) {
         if (made == 0) {
-            if (!kept.pays(order_.size()) || kept.any_equal()) return false;
+            if (!kept.pays(order_.size()) || kept.any_equal(KeptCells::Among::all_seeds)) return false;
             build_search();
         }
         made += order_.size();
@@ -32,6 +32,7 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
             cut_into_blocks(cells.size());
         clip_order(cells, false, out, share);
     }
+    if (made == 0 && kept.any_equal(KeptCells::Among::hidden_seeds)) return false;
     if (!kept.covers_once()) return false;
     ready();
     kept_ = nullptr;
@@ -48,7 +49,7 @@ void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& sh
     std::vector<std::uint8_t> copied(copies ? count : 0);            // so, too
     const bool by_cell = needs_geometry(want) || want.counts || want.normals;
     const auto needs_row = [&](std::size_t s) { return want.neighbors && !(copies && kept.has_same_faces(s)); };
-    std::atomic<std::size_t> all_faces = 0, all_kept = 0, new_rows = 0;
+    std::atomic<std::size_t> all_faces = 0, all_kept = 0, all_hidden = 0, new_rows = 0;
     begin_workers(out);
     const Stoppable stoppable(progress_, share);
     pool_->run(copies ? tasks : 0, [&](std::size_t task, unsigned) {
@@ -58,8 +59,13 @@ void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& sh
         }
     });
     pool_->run(tasks, [&](std::size_t task, unsigned) {
-        std::size_t faces = 0, cells = 0, rows = 0;
+        std::size_t faces = 0, cells = 0, empty = 0, rows = 0;
         for (std::size_t s = task * kept_block; s < std::min(count, (task + 1) * kept_block); ++s) {
+            if (kept.is_hidden(s)) {
+                out.set_empty(static_cast<std::size_t>(seeds_.input[s]), CellStatus::empty);
+                ++empty;
+                continue;
+            }
             const bool is_kept = kept.is_kept(s), has_row = is_kept && needs_row(s);
             cells += is_kept ? 1 : 0;
             if (is_kept && !by_cell && !has_row) faces += kept.faces(s);  // others are counted where they are written
@@ -76,6 +82,7 @@ void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& sh
         }
         all_faces += faces;
         all_kept += cells;
+        all_hidden += empty;
         new_rows += rows;
     });
     out.settle(lengths, *pool_);
@@ -98,15 +105,15 @@ void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& sh
                 kept.prefetch(s + 8);
                 worker.writer.prefetch(s + 8);
             }
-            if (!kept.is_kept(s) || !(by_cell || needs_row(s))) continue;
+            if (!kept.is_kept(s) || kept.is_hidden(s) || !(by_cell || needs_row(s))) continue;
             if (!worker.writer.write(s, kept.cell(s), needs_row(s)))
                 finish(&clip_by_faces(s, kept.cell(s), worker), s, worker);
         }
         worker.writer.end_placing();
     });
     end_workers(out);
-    out.count({.faces = all_faces, .kept_cells = all_kept});
-    if (!copies || all_kept < count || new_rows > 0) kept.rows().clear();
+    out.count({.faces = all_faces, .empty_cells = all_hidden, .kept_cells = all_kept});
+    if (!copies || all_kept + all_hidden < count || new_rows > 0) kept.rows().clear();
 }
 
 Cell& CpuClipper::clip_by_faces(std::size_t seed, const KeptCell& cell, Worker& worker) const {

@@ -44,7 +44,11 @@ struct Domain {
     double volume = 0;
     std::vector<exact::Plane> walls;  // ids -7, -8, ... in this order
     WallTree wall_tree;               // of many walls, else empty
-    bool seeds_beyond = false;        // some seeds of the job lie beyond walls
+    // With walls: ids of those that bound the domain, of the box too, and a place well inside. Empty if nothing is
+    // inside.
+    std::vector<std::int32_t> facets;
+    exact::Point middle{};
+    bool seeds_beyond = false;  // some seeds of the job lie beyond walls
 
     bool triclinic = false;
     exact::Point origin{};

@@ -9,6 +9,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "follow/hiding_seeds.hpp"
 #include "follow/match_seeds.hpp"
 
 namespace votess::cpu {
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t task_seeds = 4096, tasks_per_thread = 2, cells_per_check = 4096,
                       chunk_bytes = std::size_t{1} << 20;
+constexpr double unit = 0x1p-53;
 constexpr std::size_t max_tested = 512, min_sample = 32, sample_share = 256, max_sample = 1024;
 // Shares of cells, from which on a fresh call is faster: those of a sample that have wrong signs, those of it that must
 // be made again, and all pending ones.
@@ -32,14 +34,34 @@ constexpr std::size_t rows_sample = 64;
 constexpr unsigned unmatched_until_record = 16, max_skipped = 4;  // calls
 constexpr std::size_t max_flips = 256;                            // for one cell and those that it changes
 
+// Returns the numbers that make a box, and then those of its further walls.
+constexpr std::size_t box_numbers = 18;
+std::vector<double> numbers_of(const Domain& domain) {
+    std::vector<double> numbers;
+    const auto add = [&](const std::array<double, 3>& x) { numbers.insert(numbers.end(), x.begin(), x.end()); };
+    add(domain.box.lower);
+    add(domain.box.upper);
+    add(domain.origin);
+    for (const auto& vector : domain.vector) add(vector);
+    for (const exact::Plane& wall : domain.walls) {
+        add(wall.seed);
+        numbers.push_back(wall.wall);
+    }
+    return numbers;
+}
+
+double distance_from(const SignWall& wall, const double* x) {
+    return wall.offset - (wall.n[0] * x[0] + wall.n[1] * x[1] + wall.n[2] * x[2]);
+}
+
 }  // namespace
 
 bool KeptCells::follows(const Job& job) {
     const Domain& domain = *job.domain;
     // Vertices are where the first cell of a stretch finds them.
     const bool plain = !job.want.vertices && !job.only && !job.probes_of && job.row_order.empty();
-    return plain && job.outside.empty() && job.beyond.empty() && !domain.has_cell_walls() && !domain.skewed &&
-           domain.walls.empty() && job.points.count() > 0;
+    return plain && job.outside.empty() && job.beyond.empty() && !domain.skewed &&
+           domain.walls.empty() == domain.facets.empty() && job.points.count() > 0;
 }
 
 void KeptCells::clear() {
@@ -48,6 +70,7 @@ void KeptCells::clear() {
     order_ = {};
     cells_ = {};
     faces_ = {};
+    hiding_ = {};
     workers_.clear();
     state_.reset();
     always_.reset();
@@ -65,9 +88,7 @@ void KeptCells::set_frame(const Job& job) {
     frame_.weighted = domain.has_weights();
     double largest = 0, longest = 0, shortest = infinity;
     for (std::size_t k = 0; k < 3; ++k) {
-        frame_.lower[k] = domain.box.lower[k];
-        frame_.upper[k] = domain.box.upper[k];
-        largest = std::max({largest, std::abs(frame_.lower[k]), std::abs(frame_.upper[k])});
+        largest = std::max({largest, std::abs(domain.box.lower[k]), std::abs(domain.box.upper[k])});
         frame_.point[k] = domain.origin[k];
     }
     for (std::size_t j = 0; j < 3; ++j) {
@@ -84,12 +105,54 @@ void KeptCells::set_frame(const Job& job) {
         if (domain.periodic[j]) shortest = std::min(shortest, domain.reduced.width[j]);
     }
     frame_.reach_squared = infinity;
+    if (domain.is_periodic()) frame_.slack = 32 * unit * (largest + 2 * longest);
+    set_walls(domain, largest);
     if (!domain.is_periodic()) return;
-    constexpr double u = 0x1p-53;
-    frame_.slack = 32 * u * (largest + 2 * longest);
     // The distances of a corner from its seeds differ by their weights.
     const double heavier = domain.has_weights() ? domain.largest_weight - domain.min_weight : 0;
     frame_.reach_squared = (0.25 * shortest * shortest - heavier) * (1 - 0x1p-20);
+}
+
+// The rounding errors of n, the offset and the distance are below 16 u of their terms. Within walls the point is
+// rounded to floats, because the middle depends on a seed in its last digits.
+void KeptCells::set_walls(const Domain& domain, double largest) {
+    walls_.clear();
+    frame_.wall_error = 0;
+    const auto add = [&](const exact::Plane& wall, double sign) {
+        SignWall& out = walls_.emplace_back();
+        if (!wall.is_oblique()) {
+            out.n[wall.axis] = sign;
+            out.offset = sign * wall.wall;
+            return;
+        }
+        const bool given = wall.kind == exact::Plane::Kind::wall;
+        const exact::Point normal = given ? wall.seed : wall.rounded_normal();
+        const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        out.offset = given ? wall.wall / length : 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            out.n[k] = normal[k] / length;
+            if (!given) out.offset += out.n[k] * (wall.seed[k] + wall.shift[wall.axis] * domain.vector[wall.axis][k]);
+        }
+        const double terms = std::abs(out.offset) + 6 * largest;
+        frame_.wall_error = std::max(frame_.wall_error, 16 * unit * terms + 2 * frame_.slack);
+    };
+    for (int wall = 0; wall < 6; ++wall)
+        if (domain.has_box_wall(wall))
+            add(domain.box_wall(wall), wall % 2 == 0 ? -1 : 1);
+        else
+            walls_.emplace_back();
+    for (const exact::Plane& wall : domain.walls) add(wall, 1);
+    frame_.walls = walls_.data();
+    if (domain.walls.empty()) return;
+    const auto clearance = [&](const double* x) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const SignWall& wall : walls_) least = std::min(least, distance_from(wall, x));
+        return least;
+    };
+    constexpr double share[3] = {0.3123456789, -0.2876543211, 0.2031415926};  // no place of a lattice
+    const double away = clearance(domain.middle.data());
+    for (std::size_t k = 0; k < 3; ++k) frame_.point[k] = static_cast<float>(domain.middle[k] + away * share[k]);
+    if (!(clearance(frame_.point) > frame_.wall_error)) frame_.reach_squared = 0;
 }
 
 // Wrapped to rounding, which is enough for an estimate.
@@ -178,6 +241,7 @@ bool KeptCells::match(const Job& job) {
     cells_ = std::move(cells);
     faces_ = std::move(faces);
     always_ = std::move(always);
+    hiding_.clear();
     count_ = order.size();
     state_ = std::make_unique<std::atomic<std::uint8_t>[]>(count_);
     order_.resize_uninitialized(count_);
@@ -196,6 +260,7 @@ bool KeptCells::sample_pays(const Job& job) {
     };
     std::size_t tested = 0, wrong = 0, made = 0, hidden = 0, beside = 0;
     auto signs = std::make_unique<SignTest>();
+    hiding_.resize(count_);
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step = complete_ ? std::max<std::size_t>(1, count_ / max_tested) : sample_step_;
     const std::size_t total = std::max(count_ / step, min_sample);
@@ -212,9 +277,15 @@ bool KeptCells::sample_pays(const Job& job) {
         for (std::size_t s = begin; s < std::min(count_, begin + sample_block); ++s) {
             ++tested;
             const KeptCell cell = this->cell(s);
+            if (frame_.weighted && !cell.exists() && faces_[s] == 0) {
+                place(s);
+                if (hiding_[s] != nullptr)
+                    for (const std::int32_t id : KeptCell(hiding_[s]).ids()) place(static_cast<std::size_t>(id));
+                hidden += complete_ && hides(s, workers_.front()) ? 0 : 1;
+                continue;
+            }
             if (!cell.exists() || cell.head().tied) {
-                const bool is_hidden = frame_.weighted && !cell.exists() && faces_[s] == 0;
-                ++(is_hidden ? hidden : made);
+                ++made;
                 continue;
             }
             place(s);
@@ -240,6 +311,8 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
     test_ = sign_tester(instructions);
     if (job.domain->periodic != periodic_ || !(complete_ || sampled_)) return Plan::record;
     if (complete_ && made_ > made_until_sort * count_) return Plan::record;
+    const auto given = numbers_of(*job.domain);
+    if (std::max(given.size(), given_.size()) > box_numbers && given != given_) return Plan::sample;
     set_frame(job);
     if (!(frame_.reach_squared > 0)) return Plan::none;
     const bool others = job.points.count() != count_;
@@ -283,6 +356,11 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         worker.later.clear();
         worker.unmended.clear();
     }
+    auto given = numbers_of(*job.domain);
+    settled = settled && given == given_;
+    given_ = std::move(given);
+    facets_ = job.domain->facets;
+    facet_seeds_.resize(facets_.size());
     std::atomic<bool> any_moves = false;
     const auto for_seeds = [&](const auto& visit) {
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
@@ -324,6 +402,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     places_.resize_uninitialized(count_);
     cells_.assign(count_, nullptr);
     faces_.assign(count_, 0);
+    hiding_.clear();
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
     for_seeds([&](std::size_t s, bool) {
         order_[s] = seeds.input[s];
@@ -476,6 +555,18 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         if (!found[v]) mark_around(before, old[v]);
 }
 
+bool KeptCells::hides(std::size_t seed, Worker& worker) {
+    std::byte*& four = hiding_[seed];
+    if (four != nullptr && hide(frame_, test_, seed, KeptCell(four), worker.signs)) return true;
+    alignas(8) std::array<std::byte, hiding_bytes> found;
+    if (!find_hiding_seeds(frame_, cells_, seed, found) ||
+        !hide(frame_, test_, seed, KeptCell(found.data()), worker.signs))
+        return false;
+    if (four == nullptr) four = allocate(hiding_bytes, worker);
+    std::ranges::copy(found, four);
+    return true;
+}
+
 // Tests the signs of a cell.
 bool KeptCells::is_right(std::size_t seed, Worker& worker) {
     const KeptCell cell = this->cell(seed);
@@ -609,6 +700,12 @@ bool KeptCells::is_no_farther(std::size_t seed) const {
 // Each task has a range of seeds and flips where all five are in it, so that threads need no locks. The second time
 // ranges begin at the middles of the first ones. One thread does the rest.
 void KeptCells::test(ThreadPool& pool) {
+    hiding_.resize(count_);
+    pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned index) {
+        for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s)
+            if (cells_[s] == nullptr && !(frame_.weighted && faces_[s] == 0 && hides(s, workers_[index])))
+                mark(static_cast<std::int32_t>(s));
+    });
     const std::size_t length =
         pool.size() == 1 ? count_ : std::max(task_seeds, ceil_div(count_, tasks_per_thread * pool.size()));
     pool.run(ceil_div(count_, length), [&](std::size_t task, unsigned index) {
@@ -621,7 +718,8 @@ void KeptCells::test(ThreadPool& pool) {
                 for (const std::uint8_t f : this->cell(s + 2).planes())
                     __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(this->cell(s + 2).ids()[f], 0))]);
             const KeptCell cell = this->cell(s);
-            if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
+            if (!cell.exists()) continue;
+            if (cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));
             else if ((found_[s] & right) == 0 && !is_still(s))
                 mend(s, range, worker);
@@ -669,7 +767,8 @@ bool KeptCells::pays(std::size_t pending) const {
 }
 
 // Seeds that share a bucket are compared.
-bool KeptCells::any_equal() const {
+bool KeptCells::any_equal(Among among) const {
+    const auto counts = [&](std::size_t s) { return among == Among::all_seeds || is_hidden(s); };
     const std::size_t buckets = std::bit_ceil(16 * count_);
     const auto bucket = [&](const SeedPlace& at) {
         std::uint64_t hash = 0;
@@ -680,21 +779,44 @@ bool KeptCells::any_equal() const {
     std::vector<std::uint64_t> met(ceil_div(buckets, 64)), shared(met.size());
     const auto bit = [](std::uint64_t b) { return std::uint64_t{1} << b % 64; };
     for (std::size_t s = 0; s < count_; ++s) {
+        if (!counts(s)) continue;
         const std::uint64_t b = bucket(places_[s]);
         shared[b / 64] |= met[b / 64] & bit(b);
         met[b / 64] |= bit(b);
     }
     std::vector<std::array<double, 3>> doubtful;
     for (std::size_t s = 0; s < count_; ++s)
-        if (const std::uint64_t b = bucket(places_[s]); (shared[b / 64] & bit(b)) != 0)
+        if (const std::uint64_t b = bucket(places_[s]); counts(s) && (shared[b / 64] & bit(b)) != 0)
             doubtful.push_back({places_[s].x[0], places_[s].x[1], places_[s].x[2]});
     std::ranges::sort(doubtful);
     return std::ranges::adjacent_find(doubtful) != doubtful.end();
 }
 
+bool KeptCells::meets_walls() {
+    const auto has_face = [&](std::size_t f) {
+        const std::size_t s = facet_seeds_[f];
+        return s < count_ && cell(s).exists() && std::ranges::find(cell(s).ids(), facets_[f]) != cell(s).ids().end();
+    };
+    std::size_t met = 0;
+    while (met < facets_.size() && has_face(met)) ++met;
+    if (met == facets_.size()) return true;
+    std::vector<std::size_t> with_face(walls_.size(), count_);  // some seed
+    for (std::size_t s = 0; s < count_; ++s) {
+        if (!cell(s).exists()) continue;
+        for (const std::int32_t id : cell(s).ids()) {
+            if (id >= 0) break;
+            if (id != KeptCell::no_seed) with_face[static_cast<std::size_t>(-1 - id)] = s;
+        }
+    }
+    std::ranges::transform(facets_, facet_seeds_.begin(),
+                           [&](std::int32_t wall) { return with_face[static_cast<std::size_t>(-1 - wall)]; });
+    return std::ranges::find(facet_seeds_, count_) == facet_seeds_.end();
+}
+
 // Made cells are right, so none of them is over the point if a kept one is and has less power there than all their
 // seeds.
 bool KeptCells::covers_once() {
+    if (!meets_walls()) return false;
     std::vector<std::size_t>& over = over_;
     std::erase_if(over, [&](std::size_t s) { return !is_still(s); });  // no other still cell is over it
     for (const Worker& worker : workers_) over.insert(over.end(), worker.over_point.begin(), worker.over_point.end());

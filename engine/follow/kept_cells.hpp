@@ -14,8 +14,8 @@
 // covers_once() finds that it is 1. Let power_i(x) = |x - p_i|^2 - w_i, and let k be the cell at x. Along a line off
 // all edges, power_k(x) - |x|^2 is linear in each cell. Its slope falls at each face, because the neighbor lies beyond
 // the face. Such a function lies below the line of its last piece. So power_k(x) <= power_m(x) for each seed m that has
-// a cell: the cells are the diagram of these seeds. Seeds without a cell are always pending. So they are hidden among
-// all seeds.
+// a cell: the cells are the diagram of these seeds.
+// A seed without a cell is pending, unless four others certainly hide it (follow/hiding_seeds.hpp).
 //
 // Where a seed and all its neighbors stay where they were, the signs of a kept cell stay right without a test.
 //
@@ -25,9 +25,16 @@
 // Where seeds come or go, those of the last call are found by their places (follow/match_seeds.hpp). A new seed has no
 // cell, and the cells next to one that has left count as tied. So both are pending.
 //
-// Axis-aligned walls bound no region but the box, so corners need no test against other walls. Images are told apart
-// because all corners are nearer to their seeds than half of the least width of a period. So at most one image of a
-// cell is over a place: the one whose way to it is less than half of each short vector, in multiples of these.
+// Corners need no test against the walls of other cells. A cell lies inside of its own walls. So the number of cells
+// over a place, 1 in the domain, does not grow where a line from there crosses a wall outward, and is 0 or 1 beyond. In
+// the plane of a wall the same is true of the faces there: they share whole edges, which end at other walls. So if a
+// wall has a face anywhere, it has one at each place where it bounds the domain, and no cell is beyond. meets_walls()
+// finds a face of each wall that bounds the domain. The walls of a box alone bound no other region, and need no face.
+// Walls that change may touch cells without a face, in a tie that no cell knows. Then no cell is kept.
+//
+// Images are told apart because all corners are nearer to their seeds than half of the least width of a period. So at
+// most one image of a cell is over a place: the one whose way to it is less than half of each short vector, in
+// multiples of these.
 #pragma once
 
 #include <array>
@@ -92,10 +99,13 @@ public:
     void take_pending(std::vector<std::int32_t>& out);
     // Whether it pays to make so many.
     [[nodiscard]] bool pays(std::size_t pending) const;
+    enum class Among { all_seeds, hidden_seeds };
     // Whether two seeds are at the same place.
-    [[nodiscard]] bool any_equal() const;
+    [[nodiscard]] bool any_equal(Among among) const;
     [[nodiscard]] bool covers_once();
     [[nodiscard]] bool is_kept(std::size_t seed) const { return state_[seed].load(std::memory_order_relaxed) == kept; }
+    // Whether a seed is kept without a cell.
+    [[nodiscard]] bool is_hidden(std::size_t seed) const { return is_kept(seed) && cells_[seed] == nullptr; }
     // Whether a kept cell has the faces that it had in the last call.
     [[nodiscard]] bool has_same_faces(std::size_t seed) const { return (found_[seed] & new_faces) == 0; }
     [[nodiscard]] KeptRows& rows() { return rows_; }
@@ -136,6 +146,9 @@ private:
     };
 
     void set_frame(const Job& job);
+    void set_walls(const Domain& domain, double largest);  // largest: coordinate
+    // Whether each wall that bounds the domain has a face.
+    [[nodiscard]] bool meets_walls();
     [[nodiscard]] SeedPlace place_of(const Job& job, std::size_t row) const;
     [[nodiscard]] bool rows_change(const Job& job) const;
     [[nodiscard]] bool match(const Job& job);
@@ -152,6 +165,8 @@ private:
         std::uint8_t expected = kept;
         state_[static_cast<std::size_t>(id)].compare_exchange_strong(expected, pending, std::memory_order_relaxed);
     }
+    // Whether four seeds certainly hide this one: those of the last call, or others.
+    [[nodiscard]] bool hides(std::size_t seed, Worker& worker);
     [[nodiscard]] bool is_right(std::size_t seed, Worker& worker);
     bool find_flip_of(std::size_t seed, Range range, Worker& worker);
     void flip(const Flip& flip, Worker& worker);
@@ -172,6 +187,10 @@ private:
     bool complete_ = false, sampled_ = false;  // cells_ has all cells, or those of the sample
     std::size_t count_ = 0, made_ = 0;         // made_: since the sort
     std::array<bool, 3> periodic_{};
+    std::vector<double> given_;  // see numbers_of()
+    std::vector<SignWall> walls_;
+    std::vector<std::int32_t> facets_;      // Domain::facets
+    std::vector<std::size_t> facet_seeds_;  // of each: a seed whose cell had a face there
     std::size_t sample_step_ = 1;
     unsigned unmatched_ = 0;  // calls with other numbers of seeds than those of the sample
     // Samples in a row of which by far too many cells were wrong, and calls until the next one is stored.
@@ -180,6 +199,7 @@ private:
     Buffer<std::int32_t> order_;
     std::vector<std::byte*> cells_;    // by sorted seed
     std::vector<std::uint8_t> faces_;  // of each; 0 of a seed without a cell, the most of one that is too large
+    std::vector<std::byte*> hiding_;   // with weights, of each without a cell: seeds that hide it, or null
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
     Buffer<SeedPlace> places_;

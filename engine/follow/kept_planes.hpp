@@ -6,6 +6,7 @@
 #include "follow/sign_test.hpp"
 #include "index/seed_images.hpp"
 #include "index/sorted_seeds.hpp"
+#include "polytope/cell.hpp"
 #include "polytope/cell_shape.hpp"
 
 namespace votess::cpu {
@@ -27,7 +28,7 @@ public:
     [[nodiscard]] const exact::Point& seed() const { return base_.point; }
     [[nodiscard]] exact::Plane plane(std::size_t face) const {
         const std::int32_t id = cell_.ids()[face];
-        if (id < 0) return domain_->box_wall(-1 - id);
+        if (id < 0) return wall(id);
         const auto i = static_cast<std::size_t>(id);
         exact::Plane plane = seeds_.images != nullptr ? seeds_.images->bisector(base_, id, cell_.shift(face))
                                                       : exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
@@ -48,8 +49,13 @@ public:
             plane = {};
             const std::int32_t id = ids[f];
             if (id < 0) {
-                const auto axis = static_cast<std::size_t>((-1 - id) / 2);
-                plane.n[axis] = domain_->box_wall(-1 - id).wall - at.x[axis];
+                const exact::Plane wall = this->wall(id);
+                if (wall.is_oblique()) {
+                    const auto image = mirror_image(make_plane(base_.point, id, wall));
+                    for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * image[k];
+                } else {
+                    plane.n[wall.axis] = wall.wall - at.x[wall.axis];
+                }
                 continue;
             }
             const auto i = static_cast<std::size_t>(id);
@@ -67,6 +73,9 @@ public:
     }
 
 private:
+    [[nodiscard]] exact::Plane wall(std::int32_t id) const {
+        return id < -6 ? domain_->walls[static_cast<std::size_t>(-7 - id)] : domain_->box_wall(-1 - id);
+    }
     [[nodiscard]] std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const override {
         return exact::near_vertex(base_.point, plane(ranks[0]), plane(ranks[1]), plane(ranks[2]));
     }

@@ -16,11 +16,16 @@ struct alignas(32) SeedPlace {
     double x[3], weight;
 };
 
+struct alignas(32) SignWall {
+    double n[3], offset;  // of the plane n.x = offset, rounded; n has length 1
+};
+
 struct SignFrame {
     const SeedPlace* places;  // by sorted seed
+    const SignWall* walls;    // by -1 - id
+    double wall_error;        // bound on the error of a seed's distance from a wall, except its own rounding
     bool weighted;
     double vector[3][3];  // of the box, rounded
-    double lower[3], upper[3];
     // Short vectors of the lattice, and with d_i.s_j = 1 for i = j, else 0. 0 along axes that do not repeat.
     double short_vector[3][3], dual[3][3];
     double slack;          // bound on the error of a difference of coordinates, except its own rounding
@@ -50,6 +55,7 @@ struct alignas(64) SignTest {
     alignas(32) double corner[CellShape::max_corners][4];  // in homogeneous numbers
     double corner_margin[CellShape::max_corners];
     double test_margin[max_tests];
+    double test_bound;    // on the errors of these
     bool tested = false;  // else there are no margins
 };
 

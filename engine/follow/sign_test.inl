@@ -6,7 +6,7 @@
 // u D A^2. With |X| <= 3 D A^2 and |W| <= A^3, n.X - d W is wrong by
 //     28 D A^2 e + 72 u D A^3.
 // The factors below are larger, for what is of second order. A wall has a normal of length 1 and d = its distance, so
-// that it fits among the others.
+// that it fits among the others: e is larger by the error of the distance, divided by 2 D. Distances keep some digits.
 #pragma once
 
 #include <algorithm>
@@ -46,6 +46,7 @@ template <class Isa>
 bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptCell& cell, SignTest& out) {
     constexpr double u = 0x1p-53, least = 0x1p-160, most = 0x1p160;  // fifth powers neither underflow nor overflow
     constexpr double length = 2, square = length * length, max_error = 0x1p-10;
+    constexpr double least_errors = 0x1p14;  // of a distance from a wall, so that CellPlane::reliable holds
     const KeptCell::Head& head = cell.head();
     out.tested = false;
     const std::int32_t* const ids = cell.ids().data();
@@ -54,17 +55,15 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
     const SeedPlace& own = frame.places[seed];
     const Wide at{own.x[0], own.x[1], own.x[2], 0};
     Wide *const planes = reinterpret_cast<Wide*>(out.plane), *const corners = reinterpret_cast<Wide*>(out.corner);
-    double shortest = most * most, size = 0, largest_scale = 0;
+    double shortest = most * most, size = 0, largest_scale = 0, wall_error = 0;
     for (; plane != last_plane && ids[*plane] < 0; ++plane) {  // walls come first
-        const int f = *plane, axis = (-1 - ids[f]) / 2;
-        const bool up = (-1 - ids[f]) % 2 != 0;
-        const double distance = up ? frame.upper[axis] - own.x[axis] : own.x[axis] - frame.lower[axis];
-        if (!(distance > 0)) return false;
-        Wide n{};
-        n[axis] = up ? 1 : -1;
-        n[3] = -distance;
+        const int f = *plane;
+        const SignWall& wall = frame.walls[-1 - ids[f]];
+        const double distance = wall.offset - (wall.n[0] * own.x[0] + wall.n[1] * own.x[1] + wall.n[2] * own.x[2]);
+        if (!(distance > least_errors * frame.wall_error)) return false;
+        planes[f] = Wide{wall.n[0], wall.n[1], wall.n[2], -distance};
         size = std::max(size, distance);
-        planes[f] = n;
+        wall_error = frame.wall_error;
         out.scale[f] = 1;
     }
     for (; plane != last_plane; ++plane) {
@@ -97,11 +96,12 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
         planes[f] = scale * n;
     }
     size *= 1 + 8 * u;
-    const double slack = frame.slack * largest_scale, error = 2 * u * length + 2 * slack;
+    const double slack = frame.slack * largest_scale, error = 2 * u * length + 2 * slack + wall_error / size;
     if (!(shortest > least * least && size > least && size < most && error < max_error)) return false;
     const double w_bound = square * (4 * error + 14 * u * length);
     const double x_bound = length * size * (20 * error + 48 * u * length);
     const double bound = size * square * (32 * error + 90 * u * length);
+    out.test_bound = bound;
     const double reach2 = frame.reach_squared;
     int wrong = 0;
     const KeptCell::Corner* const corner = cell.corners().data();

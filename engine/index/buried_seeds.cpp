@@ -146,11 +146,16 @@ void remove(const std::vector<std::vector<std::size_t>>& found, SortedSeeds& see
 
 }  // namespace
 
-void drop_buried(const Domain& domain, ThreadPool& pool, SortedSeeds& seeds, std::vector<std::int32_t>& buried) {
+void drop_buried(const Domain& domain, ThreadPool& pool, bool only_most, SortedSeeds& seeds,
+                 std::vector<std::int32_t>& buried) {
     if (domain.has_cell_walls()) return;
     for (std::size_t owners = few_owners;; owners *= 4) {
         const std::size_t count = seeds.size();
-        remove(find_buried(domain, pool, seeds, owners), seeds, buried);
+        const auto found = find_buried(domain, pool, seeds, owners);
+        std::size_t total = 0;
+        for (const auto& chunk : found) total += chunk.size();
+        if (only_most && owners == few_owners && 2 * total < count) return;
+        remove(found, seeds, buried);
         if (2 * seeds.size() > count || owners == near_seeds) return;
     }
 }

@@ -13,7 +13,8 @@
 namespace votess::cpu {
 
 // Removes some of these from sorted seeds that have no images yet, and appends their input indices to `buried`. Which
-// ones does not depend on the number of threads.
-void drop_buried(const Domain& domain, ThreadPool& pool, SortedSeeds& seeds, std::vector<std::int32_t>& buried);
+// ones does not depend on the number of threads. only_most: none, unless these are most seeds.
+void drop_buried(const Domain& domain, ThreadPool& pool, bool only_most, SortedSeeds& seeds,
+                 std::vector<std::int32_t>& buried);
 
 }  // namespace votess::cpu

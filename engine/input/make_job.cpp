@@ -258,7 +258,13 @@ void set_walls(Job& job, Domain& domain) {
     polyhedron.start(*any_inside, domain);
     cpu::CellFaces faces;
     polyhedron.canonical_faces(faces);
-    if (faces.size() >= 4) job.box_volume = job.unit().volume(polyhedron.measure(faces).volume);
+    if (faces.size() < 4) return;
+    const cpu::CellGeometry geometry = polyhedron.measure(faces);
+    job.box_volume = job.unit().volume(geometry.volume);
+    for (const std::int32_t p : faces.planes)
+        domain.facets.push_back(polyhedron.planes()[static_cast<std::size_t>(p)].id);
+    for (std::size_t k = 0; k < 3; ++k)
+        domain.middle[k] = (*any_inside)[k] + std::ldexp(geometry.centroid[k], geometry.exponent);
 }
 
 // Returns the wall of a triclinic box that x is farthest beyond, how far, and what to do.

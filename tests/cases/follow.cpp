@@ -31,12 +31,28 @@ struct Moving {
         options.threads = 1;
         options.want.centroids = options.want.areas = options.want.counts = true;
     }
-    // Moves by up to `by` spacings along each axis.
+    // Removes the seeds beyond some wall.
+    void enclose(std::vector<votess::Wall> walls) {
+        options.walls = std::move(walls);
+        std::vector<double> inside;
+        for (std::size_t i = 0; i < points.size(); i += 3)
+            if (is_inside(&points[i])) inside.insert(inside.end(), &points[i], &points[i] + 3);
+        points = inside;
+    }
+    [[nodiscard]] bool is_inside(const double* x) const {
+        return std::ranges::all_of(options.walls, [&](const votess::Wall& wall) {
+            return wall.normal[0] * x[0] + wall.normal[1] * x[1] + wall.normal[2] * x[2] < wall.offset;
+        });
+    }
+    // Moves by up to `by` spacings along each axis. Seeds do not cross walls.
     void move(double by) {
+        const std::vector<double> before = points;
         for (std::size_t c = 0; c < points.size(); ++c) {
             points[c] += by * spacing * random.uniform(-1, 1);
             if (!options.periodic[c % 3]) points[c] = 1 - std::abs(1 - std::abs(points[c]));  // none is on a wall
         }
+        for (std::size_t i = 0; i < points.size(); i += 3)
+            if (!is_inside(&points[i])) std::copy_n(&before[i], 3, &points[i]);
     }
     // Returns the share of kept cells, or -1 if the result is not that of a fresh call.
     double call() {
@@ -124,6 +140,51 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("follow: hidden seeds stay so, appear, and become equal") {
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            Moving m(2000);
+            m.options.periodic = {periodic, periodic, periodic};
+            std::vector<double> weights(2000);
+            for (double& weight : weights) weight = 1.2 * m.spacing * m.spacing * m.random.uniform();
+            m.options.weights = weights;
+            std::vector<std::size_t> hidden;
+            const votess::Tessellation t = votess::tessellate(m.points, m.options);
+            for (std::size_t i = 0; i < weights.size(); ++i)
+                if (t.status()[i] == votess::CellStatus::empty) hidden.push_back(i);
+            REQUIRE(hidden.size() > 100);
+            const double share = 1 - static_cast<double>(hidden.size()) / 2000;
+            CHECK(m.call() == 0);
+            CHECK(m.call() == share);
+            m.move(1e-5);
+            CHECK(m.call() > 0.95 * share);
+            for (std::size_t k = 0; k < 3; ++k) weights[hidden[k]] += 2 * m.spacing * m.spacing;  // three appear
+            m.options.weights = weights;
+            CHECK(m.call() > 0.9 * share);
+            for (std::size_t k = 0; k < 3; ++k) weights[hidden[k]] -= 2 * m.spacing * m.spacing;
+            m.options.weights = weights;
+            CHECK(m.call() > 0.9 * share);
+            CHECK(m.call() == share);
+            const std::size_t from = hidden[10], to = hidden[11];
+            std::copy_n(&m.points[3 * from], 3, &m.points[3 * to]);
+            weights[to] = 0.5 * weights[from];
+            m.options.weights = weights;
+            CHECK(m.call() >= 0);
+            weights[to] = weights[from];
+            m.options.weights = weights;
+            CHECK(m.call() == 0);
+        }
+    }
+
+    // All seeds that are surely hidden are left out, which takes less time.
+    TEST_CASE("follow: nothing is kept where most seeds are surely hidden") {
+        Moving m(5000);
+        std::vector<double> weights(5000);
+        for (double& weight : weights) weight = m.random.uniform();
+        m.options.weights = weights;
+        for (int step = 0; step < 3; ++step) CHECK(m.call() == 0);
+    }
+
     // Neighbors of the same cluster are near, those of others far, and corners are far from all of them.
     TEST_CASE("follow: tight clusters whose cells fill much of the box") {
         for (const bool periodic : {false, true}) {
@@ -178,6 +239,55 @@ TEST_SUITE("cases") {
         cell.b[0] += 1e-4;
         m.move(1e-3);
         CHECK(m.call() > 0.9);
+    }
+
+    TEST_CASE("follow: walls of any direction") {
+        std::vector<votess::Wall> corners, ball;
+        for (int k = 0; k < 8; ++k)  // a box without corners
+            corners.push_back({{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0}, 0});
+        for (votess::Wall& wall : corners) wall.offset = 0.5 * (wall.normal[0] + wall.normal[1] + wall.normal[2]) + 1;
+        test::Random random(3);
+        for (int k = 0; k < 200; ++k) {
+            votess::Wall wall{{random.gaussian(), random.gaussian(), random.gaussian()}, 0};
+            const auto [x, y, z] = wall.normal;
+            wall.offset = 0.5 * (x + y + z) + 0.4 * std::sqrt(x * x + y * y + z * z);
+            ball.push_back(wall);
+        }
+        for (const auto& walls : {corners, ball})
+            for (const bool weighted : {false, true}) {
+                CAPTURE(walls.size());
+                CAPTURE(weighted);
+                Moving m(4000);
+                m.enclose(walls);
+                std::vector<double> weights;
+                for (std::size_t i = 0; weighted && i < m.points.size() / 3; ++i)
+                    weights.push_back(0.1 * m.spacing * m.spacing * m.random.uniform());
+                m.options.weights = weights;
+                m.options.want.normals = true;
+                m.options.list_walls = true;
+                CHECK(m.call() == 0);
+                CHECK(m.call() > 0.95);
+                m.move(1e-5);
+                CHECK(m.call() > 0.95);
+                m.move(5e-3);
+                CHECK(m.call() > 0.85);
+                const auto& [normal, offset] = walls[2];  // the nearest seed goes to it
+                double least = 1;
+                std::size_t nearest = 0;
+                for (std::size_t i = 0; i < m.points.size(); i += 3) {
+                    const double* const x = &m.points[i];
+                    const double way = offset - normal[0] * x[0] - normal[1] * x[1] - normal[2] * x[2];
+                    if (way < least) least = way, nearest = i;
+                }
+                const double square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+                for (std::size_t k = 0; k < 3; ++k) m.points[nearest + k] += normal[k] * (least - 1e-14) / square;
+                CHECK(m.is_inside(&m.points[nearest]));
+                CHECK(m.call() > 0.9);
+                m.options.walls.pop_back();  // of another domain no cell is kept
+                CHECK(m.call() == 0);
+                CHECK(m.call() == 0);
+                CHECK(m.call() > 0.9);
+            }
     }
 
     TEST_CASE("follow: seeds come and go, and rows change places") {

@@ -20,8 +20,16 @@ struct Outcome {
     bool good = true;
 };
 
-// Moves the seeds. Along axes without a period they turn back at the faces of the box.
+bool is_inside(const Input& input, const double* x) {
+    return std::ranges::all_of(input.walls, [&](const votess::Wall& wall) {
+        return wall.normal[0] * x[0] + wall.normal[1] * x[1] + wall.normal[2] * x[2] < wall.offset;
+    });
+}
+
+// Moves the seeds. Along axes without a period they turn back at the faces of the box. Those that would cross further
+// walls stay.
 void move(Input& input, double by, std::mt19937_64& random) {
+    const std::vector<double> before = input.points;
     for (std::size_t c = 0; c < input.points.size(); ++c) {
         const double share = 2 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1;
         double& x = input.points[c];
@@ -31,6 +39,8 @@ void move(Input& input, double by, std::mt19937_64& random) {
         if (x < lower) x = 2 * lower - x;
         if (x > upper) x = 2 * upper - x;
     }
+    for (std::size_t i = 0; i < input.points.size(); i += 3)
+        if (!is_inside(input, &input.points[i])) std::copy_n(&before[i], 3, &input.points[i]);
 }
 
 // To the last digit. Centroids of seeds without a cell are NaN.
@@ -43,13 +53,13 @@ bool equal(const votess::Tessellation& a, const votess::Tessellation& b) {
 Outcome measure(Input input, Want want, double by, int steps, std::uint64_t rng_seed) {
     votess::Tessellator follower, other;
     std::mt19937_64 random(rng_seed);
-    const double spacing = std::cbrt(input.volume() / static_cast<double>(input.size()));
+    const double volume = votess::tessellate(input.points, input.options()).stats().box_volume;
+    const double spacing = std::cbrt(volume / static_cast<double>(input.size()));
     const auto seconds = [&](votess::Tessellator& tessellator, bool follow, votess::Tessellation& result) {
         votess::Options options = input.options();
         options.device = "cpu";
         options.threads = 1;
         options.follow = follow;
-        options.outside = votess::Outside::drop;  // seeds may cross oblique walls
         options.want.volumes = options.want.centroids = options.want.areas = want == Want::full;
         const std::clock_t begin = std::clock();
         result = tessellator.tessellate(input.points, options);

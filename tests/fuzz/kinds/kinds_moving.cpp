@@ -61,8 +61,55 @@ void tilt(Job& job, Random& random) {
     job.cell = cell;
 }
 
+double beyond(const votess::Wall& wall, const double* x) {
+    return wall.normal[0] * x[0] + wall.normal[1] * x[1] + wall.normal[2] * x[2] - wall.offset;
+}
+
+// Adds walls, of which some meet seeds or corners of the box. The middle of the box is inside.
+void add_walls(Job& job, Random& random) {
+    const Vector sides = sides_of(job), lower = job.box->lower;
+    Vector middle;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = lower[k] + 0.5 * sides[k];
+    for (auto walls = 1 + random.below(random.chance(0.1) ? 40 : 5); walls > 0; --walls) {
+        votess::Wall wall;
+        const bool simple = random.chance(0.5);
+        for (double& n : wall.normal) n = simple ? static_cast<double>(random.integer(-1, 1)) : random.uniform(-1, 1);
+        if (wall.normal == std::array<double, 3>{}) wall.normal[0] = 1;
+        Vector at;
+        const bool by_seed = random.chance(0.3), by_corner = random.chance(0.3);
+        const auto i = random.below(job.size());
+        for (std::size_t k = 0; k < 3; ++k) {
+            at[k] = lower[k] + sides[k] * (by_corner ? static_cast<double>(random.below(2)) : random.uniform());
+            if (by_seed) at[k] = job.points[3 * i + k];
+        }
+        wall.offset = 0;
+        wall.offset = beyond(wall, at.data());
+        if (beyond(wall, middle.data()) >= 0) {
+            for (double& n : wall.normal) n = -n;
+            wall.offset = -wall.offset;
+        }
+        if (beyond(wall, middle.data()) < 0) job.walls.push_back(wall);
+    }
+}
+
+// Removes seeds beyond walls, or puts them back to where they were.
+void stay_inside(Job& job, const Job& before) {
+    for (std::size_t i = job.size(); i-- > 0;) {
+        const auto is_outside = [&](const Job& of) {
+            return std::ranges::any_of(job.walls,
+                                       [&](const auto& wall) { return beyond(wall, &of.points[3 * i]) > 0; });
+        };
+        if (!is_outside(job)) continue;
+        if (before.size() == job.size() && !is_outside(before))
+            std::copy_n(&before.points[3 * i], 3, &job.points[3 * i]);
+        else if (job.size() > 1)
+            job = job.without(i, i + 1);
+    }
+}
+
 // Moves seeds, and changes what a call may change.
 void change(Job& job, const Job& first, Random& random) {
+    const Job before = job;
     const Vector sides = sides_of(job);
     const std::size_t count = job.size();
     const double spacing = std::cbrt(sides[0] * sides[1] * sides[2] / static_cast<double>(count));
@@ -76,12 +123,20 @@ void change(Job& job, const Job& first, Random& random) {
     } else if (how == 1) {  // a duplicate
         const auto i = seed(), j = seed();
         std::copy_n(&job.points[3 * j], 3, &job.points[3 * i]);
+        if (!job.weights.empty() && random.chance(0.5)) job.weights[i] = job.weights[j];
     } else if (how == 2 && count > 2) {
         job = job.without(seed(), count);
     } else if (how == 3) {  // all in one direction
         Vector way;
         for (double& x : way) x = by * random.uniform(-1, 1);
         for (std::size_t c = 0; c < 3 * count; ++c) job.points[c] += way[c % 3];
+    } else if (how == 4 && !job.walls.empty()) {  // onto a wall or near it, some exactly
+        const auto i = seed();
+        const votess::Wall& wall = job.walls[random.below(job.walls.size())];
+        const auto k = static_cast<std::size_t>(
+            std::ranges::max_element(wall.normal, {}, [](double n) { return std::abs(n); }) - wall.normal.begin());
+        job.points[3 * i + k] -= beyond(wall, &job.points[3 * i]) / wall.normal[k];
+        if (random.chance(0.5)) job.points[3 * i + k] -= std::copysign(by, wall.normal[k]);
     } else if (how == 4 && job.box) {  // onto a wall
         const auto i = seed(), k = random.below(3);
         job.points[3 * i + k] = random.chance(0.5) ? job.box->lower[k] : job.box->upper[k];
@@ -99,6 +154,11 @@ void change(Job& job, const Job& first, Random& random) {
         for (std::size_t i = 0; i < count; ++i)
             if (random.chance(0.1))
                 for (std::size_t k = 0; k < 3; ++k) job.points[3 * i + k] += by * random.uniform(-1, 1);
+    } else if (how == 9 && !job.walls.empty()) {  // another domain, of as many walls or fewer
+        if (random.chance(0.5))
+            job.walls.pop_back();
+        else
+            job.walls[random.below(job.walls.size())].offset += by;
     } else if (how == 9 && job.box) {  // the domain grows
         const double factor = 1 + decades(random, -8, -1);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -149,6 +209,7 @@ void change(Job& job, const Job& first, Random& random) {
     for (std::size_t c = 0; c < job.points.size() && job.box; ++c)
         if (!job.periodic[c % 3] && !job.drop)
             job.points[c] = std::clamp(job.points[c], job.box->lower[c % 3], job.box->upper[c % 3]);
+    if (!job.walls.empty() && !job.drop) stay_inside(job, before);
 }
 
 void add_weights(Job& job, Random& random) {
@@ -156,6 +217,15 @@ void add_weights(Job& job, Random& random) {
     const double square = std::pow(sides[0] * sides[1] * sides[2] / static_cast<double>(job.size()), 2.0 / 3);
     const double unit = square * decades(random, -3, random.chance(0.2) ? 1 : -0.5);
     for (std::size_t i = 0; i < job.size(); ++i) job.weights.push_back(unit * random.uniform());
+}
+
+// Puts walls into some boxes.
+void enclose(Job& job, Random& random) {
+    if (!job.box || !job.walls.empty() || !random.chance(0.3)) return;
+    job.periodic = {};
+    add_walls(job, random);
+    job.drop = random.chance(0.3);
+    if (!job.drop) stay_inside(job, job);
 }
 
 // Returns the job and what becomes of it.
@@ -192,6 +262,7 @@ std::vector<Job> moving_seeds(Random& random) {
         job = others[random.below(std::size(others))](random)[0];
     if (kind < 6 && random.chance(0.3)) add_weights(job, random);
     if (kind < 8 && job.box && random.chance(0.25)) tilt(job, random);
+    enclose(job, random);
     return history(job, 3 + random.below(8), random);
 }
 
@@ -200,6 +271,7 @@ std::vector<Job> long_histories(Random& random) {
     Job job = on_lattice ? lattice(random, 2 + random.below(2)) : uniform_seeds(random, 5 + random.below(56));
     if (random.chance(0.3)) add_weights(job, random);
     if (random.chance(0.2)) tilt(job, random);
+    enclose(job, random);
     return history(job, 50, random);
 }
 
