@@ -161,8 +161,9 @@ std::string whole_help() {
 }
 
 std::string manual_page() {
-    std::string page = ".TH CLVOTESS 1 \"\" \"votess " VOTESS_VERSION_STRING
-                       "\"\n.SH NAME\nclvotess \\- exact 3D Voronoi tessellation\n.SH SYNOPSIS\n.nf\n";
+    std::string page =
+        ".TH CLVOTESS 1 \"\" \"votess " VOTESS_VERSION_STRING
+        "\"\n.SH NAME\nclvotess \\- exact Voronoi tessellation in three dimensions or two\n.SH SYNOPSIS\n.nf\n";
     add_roff(page, usage);
     for (const Option& option : option_table()) {
         page += option.names.empty() ? ".fi\n.SH \"" : ".B \"";

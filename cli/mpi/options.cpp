@@ -10,7 +10,7 @@ namespace clvotess {
 namespace {
 
 constexpr std::string_view text =
-    R"(clvotess-mpi: exact 3D Voronoi tessellation over the ranks of MPI
+    R"(clvotess-mpi: exact Voronoi tessellation over the ranks of MPI
 
 usage: mpirun -np P clvotess-mpi INPUT [options] -o OUT.h5
        mpirun -np P clvotess-mpi --random N [--rng-seed S] [options] -o OUT.h5

@@ -56,6 +56,7 @@ public:
         Input input;
         input.domain = read_domain(comment);
         names_.clear();
+        row_of_zeros_.clear();
         first_.reset();
         id_.reset();
         wanted_.reset();
@@ -67,6 +68,10 @@ public:
         }
         const auto count = static_cast<std::size_t>(count_);
         if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
+        if (count == 0 && has_properties()) {
+            words_ = row_of_zeros_;
+            input.columns = wanted_of_row().columns(0);
+        }
         input.points.reserve(3 * max_rows());
         for (std::size_t i = 0; i < count; i = input.size()) {
             if (!append_row(input)) throw short_frame(i);
@@ -128,8 +133,10 @@ private:
             if ((name == "pos" || name == "position") && *columns == 3) first_ = names_.size();
             const bool whole = fields[k + 1] == "I" && *columns == 1;
             if (whole && (name == "id" || name == "ids" || name == "identifier")) id_ = names_.size();
-            for (std::uint64_t c = 1; c <= *columns; ++c)
+            for (std::uint64_t c = 1; c <= *columns; ++c) {
                 names_.push_back(*columns == 1 ? fields[k] : fields[k] + "_" + std::to_string(c));
+                row_of_zeros_.emplace_back(fields[k + 1] == "S" ? "-" : "0");
+            }
         }
         if (fields.size() % 3 != 0 || !first_) throw bad_properties(text);
     }
@@ -267,6 +274,7 @@ private:
     Words words_;
     std::uint64_t count_ = 0, frames_ = 0;
     std::vector<std::string> names_;  // of the columns, by Properties
+    Words row_of_zeros_;              // as rows of these columns are
     std::optional<std::size_t> first_, id_;
     std::optional<ColumnPlaces> wanted_;  // known from the first row
 };

@@ -42,8 +42,10 @@ constexpr std::size_t simplices_per_stop = 4096;
     throw Error(ErrorCode::invalid_argument, "alpha_complex(): " + message);
 }
 
-[[noreturn]] void refuse_small(const std::string& text) {
-    refuse_alpha(text + ": the box is too small for these seeds, replicate it 2 or 3 times along each vector");
+[[noreturn]] void refuse_small(const std::string& text, const Replicate& replicate) {
+    const std::int32_t more = *std::ranges::max_element(replicate) + 1;
+    refuse_alpha(text + ": the box is too small for these seeds, replicate it " + std::to_string(more) +
+                 " times or more along each vector");
 }
 
 // Reserves memory, in huge pages where it is large.
@@ -139,6 +141,7 @@ public:
         return id - static_cast<std::int32_t>(added_ * (at(id) / count_));
     }
     [[nodiscard]] double weight(std::int32_t id) const { return seeds_[original(id)].weight; }
+    [[noreturn]] void refuse(const std::string& text) const { refuse_small(text, replicate_); }
     // Returns a squared length in the unit of the caller.
     [[nodiscard]] double unscaled(double square) const { return square / scale_ / scale_; }
 
@@ -325,7 +328,7 @@ private:
         for (std::size_t k = 0; k < corners_of; ++k) {
             const bool twice = k > 0 && corners[k].seed == corners[k - 1].seed;
             if (twice && places_.is_added(corners[k].seed)) return;  // others have its faces that count
-            if (twice) refuse_small("an edge joins seed " + std::to_string(corners[k].seed) + " to its own image");
+            if (twice) places_.refuse("an edge joins seed " + std::to_string(corners[k].seed) + " to its own image");
             simplex.ids[k] = corners[k].seed;
             simplex.shifts[k] = sum(corners[k].shift, negative(corners[0].shift));
         }
@@ -402,12 +405,13 @@ void check_edges(const Tessellation& t, std::size_t count, const Replicate& repl
             const std::int32_t j = t.indices()[e];
             if (j < static_cast<std::int32_t>(i) || at(j) >= count) continue;
             if (at(j) == i && same(shift(e), std::span(none)))
-                refuse_small("an edge joins seed " + std::to_string(i) + " to its own image");
+                refuse_small("an edge joins seed " + std::to_string(i) + " to its own image", replicate);
             for (auto next = e + 1; next < at(t.indptr()[i + 1]) && t.indices()[next] == j; ++next)
                 if (same(shift(e), shift(next)))
                     refuse_small("two edges join " +
-                                 (at(j) == i ? "copies of seed " : "seeds " + std::to_string(i) + " and ") +
-                                 std::to_string(j));
+                                     (at(j) == i ? "copies of seed " : "seeds " + std::to_string(i) + " and ") +
+                                     std::to_string(j),
+                                 replicate);
         }
     }
 }
@@ -542,10 +546,10 @@ Level<D> sorted_level(const std::vector<Whole<D>>& simplices, std::size_t seeds,
 }
 
 template <std::size_t K>
-[[noreturn]] void refuse_double(const Simplex<K>& a, const Simplex<K>& b) {
+[[noreturn]] void refuse_double(const Simplex<K>& a, const Simplex<K>& b, const Places& places) {
     std::size_t k = 1;
     while (a.shifts[k] == b.shifts[k]) ++k;
-    refuse_small("two edges join seeds " + std::to_string(a.ids[0]) + " and " + std::to_string(a.ids[k]));
+    places.refuse("two edges join seeds " + std::to_string(a.ids[0]) + " and " + std::to_string(a.ids[k]));
 }
 
 // Returns the faces of all simplices of a level, and takes its memory. expected: about their number.
@@ -586,7 +590,8 @@ Level<K - 1> faces_of(Level<K>&& level, std::size_t expected, const Places& plac
             for (; end != sides.end() && end->key == begin->key; ++end) {
                 around.add(*end);
                 if (places.periodic() && end != begin && !places.has_added(face.ids))
-                    if (const auto other = face_of(*end, v); other.shifts != face.shifts) refuse_double(face, other);
+                    if (const auto other = face_of(*end, v); other.shifts != face.shifts)
+                        refuse_double(face, other, places);
             }
             begin = end;
             double own;

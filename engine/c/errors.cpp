@@ -1,8 +1,10 @@
 // The version of the library and its last error.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdint>
 #include <cstdio>
+#include <utility>
 
 #include "c/handles.hpp"
 
@@ -23,6 +25,17 @@ static_assert(same(VOTESS_ERROR_NOT_CONVERGED, ErrorCode::not_converged));
 constexpr std::uint64_t max_elements = 2147483647;
 constexpr std::uint64_t addressable = std::numeric_limits<std::uint64_t>::max() / (3 * sizeof(double));
 
+// What stands before a member of options here, where it is a member of a struct. Others are parameters: gap for
+// PieceOptions::gap.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> structs{
+    {{"Options", "options."},
+     {"FitOptions", "fit_options."},
+     {"PictureOptions", "picture_options."},
+     {"RemeshOptions", "remesh_options."},
+     {"StreamOptions", "stream."},
+     {"SurfaceOptions", "surface_options."},
+     {"SurfaceLloydOptions", "surface_lloyd_options."}}};
+
 // The last failure of each thread. Of fixed size, so that a report of exhausted memory takes none.
 thread_local char last_error[1024] = "";
 
@@ -39,26 +52,28 @@ void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept 
     out[length] = '\0';
 }
 
-// Options::min_face becomes options.min_face, FitOptions::tolerance fit_options.tolerance, and StreamOptions::memory
-// stream.memory, which is a member of votess_stream. The text never grows.
 void set_last_error(std::string_view message) noexcept {
-    copy_text(message, last_error, sizeof last_error);
-    constexpr std::string_view member = "Options::";
-    char* end = last_error;
-    for (const char* next = last_error; *next != '\0';) {
-        if (!std::string_view(next).starts_with(member)) {
-            *end++ = *next++;
+    char text[2 * sizeof last_error];
+    std::size_t size = 0;
+    const auto put = [&](std::string_view part) {
+        part = part.substr(0, sizeof text - size);
+        size = static_cast<std::size_t>(std::ranges::copy(part, text + size).out - text);
+    };
+    while (!message.empty()) {
+        const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+        const auto end = std::ranges::find_if_not(message, is_letter);
+        const auto length = std::max<std::size_t>(static_cast<std::size_t>(end - message.begin()), 1);
+        const std::string_view word = message.substr(0, length);
+        message.remove_prefix(length);
+        if (!word.ends_with("Options") || !message.starts_with("::")) {
+            put(word);
             continue;
         }
-        char* word = end;
-        while (word != last_error && std::isalpha(static_cast<unsigned char>(word[-1])) != 0) --word;
-        for (char* c = word; c != end; ++c) *c = static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
-        const bool of_stream = std::string_view(word, end) == "stream";
-        if (word != end && !of_stream) *end++ = '_';
-        end = std::ranges::copy(std::string_view(of_stream ? "." : "options."), end).out;
-        next += member.size();
+        message.remove_prefix(2);
+        const auto found = std::ranges::find(structs, word, &std::pair<std::string_view, std::string_view>::first);
+        if (found != structs.end()) put(found->second);
     }
-    *end = '\0';
+    copy_text({text, size}, last_error, sizeof last_error);
 }
 
 void set_internal_error(const char* message) noexcept {

@@ -147,12 +147,12 @@ void ThreadPool::Crew::run(std::size_t tasks, const Task& each, bool stage) {
     if (failure) std::rethrow_exception(failure);
 }
 
-ThreadPool::ThreadPool(unsigned requested) : requested_(requested) {
+ThreadPool::ThreadPool(unsigned requested, const char* name) : requested_(requested) {
     crew_ = std::make_unique<Crew>(requested == 0 ? system::processors() : requested);
     size_ = static_cast<unsigned>(crew_->workers.size()) + 1;
     if (size_ >= requested) return;
     crew_.reset();  // frees memory that the message needs
-    throw_no_threads(requested, size_);
+    throw_no_threads(requested, size_, name);
 }
 
 // A child must not destroy a condition variable on which the parent's threads wait.

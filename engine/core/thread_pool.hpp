@@ -10,7 +10,7 @@
 namespace votess {
 
 // Throws no_threads. In input/, since the message names an option.
-[[noreturn]] void throw_no_threads(unsigned requested, unsigned given);
+[[noreturn]] void throw_no_threads(unsigned requested, unsigned given, const char* name);
 
 class ThreadPool {
 public:
@@ -18,8 +18,8 @@ public:
     using Task = std::function<void(std::size_t index, unsigned worker)>;
 
     // requested: 0 for one thread per processor, or as many as the system gives. Throws `no_threads` if the system
-    // gives fewer than requested.
-    explicit ThreadPool(unsigned requested);
+    // gives fewer than requested. name: of that number in messages, null for the option.
+    explicit ThreadPool(unsigned requested, const char* name = nullptr);
     ~ThreadPool();
     ThreadPool(const ThreadPool&) = delete;
     ThreadPool& operator=(const ThreadPool&) = delete;

@@ -289,6 +289,7 @@ Queries check_queries(const DiagramState& state, std::vector<double> x, std::spa
                     std::to_string(count) + " queries are too many at once: at most 2147483647");
     Queries queries{std::move(x),
                     scaled_weights(votess::weights_of(weights, radii), count, "queries", state.job.scale)};
+    if (state.points.empty()) queries.weights.clear();  // a cell without neighbors has no use for its weight
     if (!queries.weights.empty() && !state.job.domain->has_weights())
         refuse("queries have weights, but the seeds have none: give these weights too, which may be 0");
     return queries;

@@ -422,7 +422,7 @@ Masses masses(const Tessellation& t, const Density& density, unsigned threads) {
     const auto refuse = [](const std::string& message) {
         throw Error(ErrorCode::invalid_argument, "masses(): " + message);
     };
-    check_threads(threads);
+    check_member("threads", threads);
     const std::vector<double> values = fields::checked_values(density, t.planar(), "masses", true);
     if (t.size() == 0) return {};
     if (t.face_offsets().size() != t.indices().size() + 1)
@@ -432,7 +432,7 @@ Masses masses(const Tessellation& t, const Density& density, unsigned threads) {
                option("min_area"));
     if (EndlessSides(region_of(t)).any())
         refuse("cells that reach infinity have no mass, give a box with ends: set " + option("box"));
-    ThreadPool pool(threads);
+    ThreadPool pool(threads, "threads");
     return fields::masses_in(t, fields::Frame(t, density.shape), values, pool, true);
 }
 

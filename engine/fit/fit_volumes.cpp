@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/progress.hpp"
+#include "core/sum.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
 #include "fields/masses.hpp"
@@ -61,17 +62,15 @@ std::vector<double> checked_targets(const Job& job, std::span<const double> give
         refuse(std::to_string(given.size()) + " target volumes for " + std::to_string(count) +
                " points: give one for each");
     std::vector<double> targets(given.begin(), given.end());
-    double sum = 0, rest = 0;  // the rest is that of each addition (Knuth)
+    Sum sum;
     for (std::size_t i = 0; i < count; ++i) {
         if (is_dropped(job, i)) continue;
         if (!(targets[i] > 0) || !std::isfinite(targets[i]))
             refuse("the target volume of point " + std::to_string(i) + " is " + number(targets[i]) +
                    ": it must be positive and finite; leave out points that shall have no cell");
-        const double larger = sum + targets[i], added = larger - sum;
-        rest += (sum - (larger - added)) + (targets[i] - added);
-        sum = larger;
+        sum += targets[i];
     }
-    const double total = std::isfinite(sum) ? sum + rest : sum;
+    const double total = sum.value();
     if (!options.normalize && !(std::abs(total - volume) <= sum_tolerance * volume))
         refuse("the target volumes sum to " + number(total) + ", but the domain has " +
                (options.density ? "the mass " : "") + number(volume) +

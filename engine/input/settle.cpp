@@ -13,6 +13,7 @@
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
 #include "input/each_option.hpp"
+#include "input/option_name.hpp"
 #include "polytope/cell_kernels.hpp"
 
 namespace votess {
@@ -27,10 +28,10 @@ bool names_device(const std::string& device) {
 }
 
 template <class Value>
-void check_option(const char* /*name*/, const Value& /*value*/, decltype(anything)) {}
+void check_option(const std::string& /*name*/, const Value& /*value*/, decltype(anything)) {}
 
 template <class Number>
-void check_option(const char* name, Number value, UpTo<Number> allowed) {
+void check_option(const std::string& name, Number value, UpTo<Number> allowed) {
     if (value >= 0 && value <= allowed.max && std::isfinite(static_cast<double>(value))) return;
     const auto text = [](Number n) {
         if constexpr (std::is_integral_v<Number>)
@@ -38,18 +39,18 @@ void check_option(const char* name, Number value, UpTo<Number> allowed) {
         else
             return number(n);
     };
-    refuse("Options::" + std::string(name) + " = " + text(value) + ": give " +
+    refuse(name + " = " + text(value) + ": give " +
            (std::isinf(static_cast<double>(allowed.max)) ? "a finite number from 0 up" : "0 to " + text(allowed.max)));
 }
 
 template <class Enum, std::size_t count>
-void check_option(const char* name, Enum value, const std::array<const char*, count>& allowed) {
+void check_option(const std::string& name, Enum value, const std::array<const char*, count>& allowed) {
     const auto index = static_cast<std::int64_t>(value);
     if (index >= 0 && index < static_cast<std::int64_t>(count)) return;
     std::string known;
     for (std::size_t i = 0; i < count; ++i)
         known += (i == 0 ? "" : " or ") + std::to_string(i) + " (" + allowed[i] + ")";
-    refuse("Options::" + std::string(name) + " = " + std::to_string(index) + ": give " + known);
+    refuse(name + " = " + std::to_string(index) + ": give " + known);
 }
 
 void check_instructions(const std::string& name) {
@@ -63,7 +64,8 @@ void check_instructions(const std::string& name) {
 }
 
 void check_values(const Options& options) {
-    each_option([&](auto name, auto member, auto, auto allowed) { check_option(name, options.*member, allowed); });
+    each_option(
+        [&](auto name, auto member, auto, auto allowed) { check_option(option(name), options.*member, allowed); });
     check_instructions(options.instructions);
     if (options.only && (options.min_face > 0 || options.min_area > 0))
         refuse("Options::min_face and Options::min_area need the faces of all cells: leave them out, or Options::only");
@@ -123,23 +125,20 @@ void take_values(const Options& options, Settled& run) {
 
 }  // namespace
 
-void throw_no_threads(unsigned requested, unsigned given) {
-    throw Error(ErrorCode::no_threads, "Options::threads = " + std::to_string(requested) +
-                                           ", but the system gives only " + std::to_string(given) +
+void throw_no_threads(unsigned requested, unsigned given, const char* name) {
+    throw Error(ErrorCode::no_threads, (name == nullptr ? option("threads") : name) + " = " +
+                                           std::to_string(requested) + ", but the system gives only " +
+                                           std::to_string(given) +
                                            ": request fewer, or raise its limits (ulimit -u, ulimit -v, pids.max of "
                                            "the container)");
 }
 
-void check_threads(unsigned threads) {
-    Options options;
-    options.threads = threads;
-    check_values(options);
-}
-
-void check_k_init(unsigned k_init) {
-    Options options;
-    options.k_init = k_init;
-    check_values(options);
+void check_member(const char* name, unsigned value) {
+    const std::string_view member = std::string_view(name).substr(std::string_view(name).rfind(':') + 1);
+    each_option([&](std::string_view of, auto, auto, auto allowed) {
+        if constexpr (std::is_same_v<decltype(allowed), UpTo<unsigned>>)
+            if (of == member) check_option(name, value, allowed);
+    });
 }
 
 Weights weights_of(std::span<const double> weights, std::span<const double> radii) {

@@ -20,9 +20,8 @@ class ThreadPool;
 // Returns the domain that options give, unchecked.
 [[nodiscard]] VOTESS_API Region region_of(const Options& options);
 
-// Check one option alone.
-void check_threads(unsigned threads);
-void check_k_init(unsigned k_init);
+// Checks a number of a call that has an option's meaning and limits. name: as PieceOptions::threads.
+void check_member(const char* name, unsigned value);
 // Returns weights or radii. Throws invalid_argument if both are given.
 [[nodiscard]] Weights weights_of(std::span<const double> weights, std::span<const double> radii);
 // Returns the weights of `count` points, times scale squared. of: the points' name in messages; first: the number of

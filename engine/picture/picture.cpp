@@ -59,7 +59,7 @@ void check_look(const PictureOptions& options) {
         for (const double x : *options.cut_at)
             if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
     }
-    check_threads(options.threads);
+    check_member("PictureOptions::threads", options.threads);
 }
 
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
@@ -239,7 +239,7 @@ Picture render_sections(const Pieces& pieces, std::span<const double> points, st
     if (of_sections.empty()) refuse("picture: the slice meets no piece: move it");
     PictureOptions look = options;
     look.wall_cells = WallCells::show;
-    ThreadPool pool(options.threads);
+    ThreadPool pool(options.threads, "PictureOptions::threads");
     const Scene scene = build_scene(sections.mesh, domain, seeds, of_sections, look, pool);
     return {scene.width, scene.height, draw(scene, pool), 0};
 }
@@ -256,7 +256,7 @@ Picture render_pieces(const Pieces& pieces, std::span<const double> points, std:
         look.slice = Slice{};  // which meets all pieces
     else
         look.frame = false;
-    ThreadPool pool(options.threads);
+    ThreadPool pool(options.threads, "PictureOptions::threads");
     const Scene scene = build_scene(shape.mesh, shape.domain, points, values, look, pool);
     return {scene.width, scene.height, draw(scene, pool), 0};
 }
@@ -320,7 +320,7 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
     const picture::DomainShape domain{box, picture::domain_corners(tessellation, box, endless),
                                       picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
-    ThreadPool pool(options.threads);
+    ThreadPool pool(options.threads, "PictureOptions::threads");
     const picture::Scene scene = picture::build_scene(mesh, domain, points, values, look, pool);
     return {scene.width, scene.height, picture::draw(scene, pool), closed ? closed->left_out : 0};
 }

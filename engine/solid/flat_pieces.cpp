@@ -110,7 +110,7 @@ private:
                 if (begin != path.end()) {
                     Ring ring(begin, path.end());
                     join_lines(ring);
-                    drop_points(ring);
+                    drop_short_edges(ring);
                     if (ring.size() > 2) found.push_back(std::move(ring));
                     path.erase(begin, path.end());
                 }
@@ -140,18 +140,40 @@ private:
         }
         ring.resize(out + 1);
     }
-    // Ties leave edges whose ends are at one place.
-    void drop_points(Ring& ring) const {
+    // Ties leave edges whose ends are at one place. Near ties leave edges so short that rounding turns them around:
+    // then the edges before and after cross.
+    void drop_short_edges(Ring& ring) const {
+        const auto close = [&] {
+            for (std::size_t e = 0; e < ring.size(); ++e) ring[e].to = ring[(e + 1) % ring.size()].from;
+        };
         std::erase_if(ring, [&](const OutlineEdge& edge) { return place(edge.from) == place(edge.to); });
-        for (std::size_t e = 0; e < ring.size(); ++e) ring[e].to = ring[(e + 1) % ring.size()].from;
+        close();
+        for (std::size_t e = 0; e < ring.size();) {
+            if (!cross(ring[(e + ring.size() - 1) % ring.size()], ring[(e + 1) % ring.size()])) {
+                ++e;
+                continue;
+            }
+            ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(e));
+            close();
+            e = 0;
+        }
+    }
+    [[nodiscard]] bool cross(const OutlineEdge& one, const OutlineEdge& other) const {
+        const auto divides = [&](const OutlineEdge& edge, std::int32_t near, std::int32_t a, std::int32_t b) {
+            const std::int32_t far = near == edge.from ? edge.to : edge.from;
+            const double turn_a = turn(near, far, a), turn_b = turn(near, far, b);
+            return (turn_a < 0 && turn_b > 0) || (turn_a > 0 && turn_b < 0);
+        };
+        return divides(one, one.to, other.from, other.to) && divides(other, other.from, one.from, one.to);
+    }
+    // Returns twice the area of a triangle, positive if it is counterclockwise.
+    [[nodiscard]] double turn(std::int32_t a, std::int32_t b, std::int32_t c) const {
+        const auto from = place(a), to = place(b), third = place(c);
+        return (to[0] - from[0]) * (third[1] - from[1]) - (third[0] - from[0]) * (to[1] - from[1]);
     }
     [[nodiscard]] double area(const Ring& ring) const {
         double sum = 0;
-        const auto origin = place(ring.front().from);
-        for (const OutlineEdge& edge : ring) {
-            const auto a = place(edge.from), b = place(edge.to);
-            sum += (a[0] - origin[0]) * (b[1] - origin[1]) - (b[0] - origin[0]) * (a[1] - origin[1]);
-        }
+        for (const OutlineEdge& edge : ring) sum += turn(ring.front().from, edge.from, edge.to);
         return sum;
     }
     [[nodiscard]] double length(const Ring& ring) const {

@@ -78,10 +78,10 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     if (!std::isfinite(options.gap) || options.gap < 0)
         throw Error(ErrorCode::invalid_argument,
                     "PieceOptions::gap is " + number(options.gap) + ": give a length from 0 on");
-    check_threads(options.threads);
+    check_member("PieceOptions::threads", options.threads);
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {});
-    ThreadPool pool(options.threads);
+    ThreadPool pool(options.threads, "PieceOptions::threads");
     struct Worker {
         solid::CutCell cell;
         solid::CellPieces pieces;

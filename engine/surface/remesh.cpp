@@ -466,7 +466,7 @@ void check_count(std::size_t count, const char* what) {
 
 SurfaceRelaxation lloyd_on_surface(std::span<const double> points, const TriangleMesh& mesh,
                                    const SurfaceLloydOptions& options) {
-    check_threads(options.threads);
+    check_member("SurfaceLloydOptions::threads", options.threads);
     if (!options.fixed.empty() && options.fixed.size() != points.size() / 3)
         refuse("SurfaceLloydOptions::fixed has " + std::to_string(options.fixed.size()) + " values for " +
                std::to_string(points.size() / 3) + " points: give one for each");
@@ -508,7 +508,7 @@ std::vector<double> sample_surface(const TriangleMesh& mesh, std::size_t count, 
 }
 
 Remesh remesh(const TriangleMesh& mesh, std::size_t count, const RemeshOptions& options) {
-    check_threads(options.threads);
+    check_member("RemeshOptions::threads", options.threads);
     surface::check_count(count, "the number of vertices");
     if (!(options.sharp > 0 && options.sharp <= 180))
         refuse("RemeshOptions::sharp is " + number(options.sharp) + ": give an angle above 0, up to 180 degrees");

@@ -237,7 +237,7 @@ SurfaceCells cells_on(std::span<const double> points, const TriangleMesh& mesh, 
                       bool is_whole) {
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {});
-    ThreadPool pool(options.threads);
+    ThreadPool pool(options.threads, "SurfaceOptions::threads");
     const Surface surface(points, mesh, options.weights, pool);
     if (options.want == SurfaceWant::areas) return only_areas(surface, pool);
     Parts parts = find_parts(surface, options.want, pool);
@@ -256,7 +256,7 @@ SurfaceCells whole_cells(std::span<const double> points, const TriangleMesh& mes
 }  // namespace surface
 
 SurfaceCells surface_cells(std::span<const double> points, const TriangleMesh& mesh, const SurfaceOptions& options) {
-    check_threads(options.threads);
+    check_member("SurfaceOptions::threads", options.threads);
     if (options.want < SurfaceWant::areas || options.want > SurfaceWant::all)
         refuse("SurfaceOptions::want is " + std::to_string(static_cast<std::int32_t>(options.want)) +
                ": give areas, nearest, polygons or all");

@@ -842,7 +842,8 @@ TEST_SUITE("cases") {
         const votess::Pieces again = votess::pieces(t, choice);
         votess::PieceOptions many;
         many.threads = 100'000;
-        CHECK_THROWS_WITH_AS((void)votess::pieces(t, many), "Options::threads = 100000: give 0 to 1024", votess::Error);
+        CHECK_THROWS_WITH_AS((void)votess::pieces(t, many), "PieceOptions::threads = 100000: give 0 to 1024",
+                             votess::Error);
         CHECK(again.vertices == pieces.vertices);
         CHECK(again.triangles == pieces.triangles);
         const std::vector<std::int64_t> ids{7, 3};

@@ -1,4 +1,4 @@
-"""pyvotess: exact 3D Voronoi tessellation, NumPy in and out.
+"""pyvotess: exact 3D and 2D Voronoi tessellation, NumPy in and out.
 
 >>> import numpy as np, pyvotess as vt
 >>> points = np.random.default_rng(1).random((100, 3))

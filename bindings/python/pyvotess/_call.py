@@ -38,7 +38,7 @@ class VotessError(RuntimeError):
 
 
 # An option in a message of the library, with its value: options.outside = drop. Arguments of other names follow.
-_OPTION = re.compile(r"\b(?:(?:[a-z]+_)?options|stream(?=\.memory\b))\.(want\.)?(\w+(?:\.\w+)?)( = [^\s:,)]+)?")
+_OPTION = re.compile(r"\b(?:(?:[a-z_]+_)?options|stream(?=\.memory\b))\.(want\.)?(\w+(?:\.\w+)?)( = [^\s:,)]+)?")
 _ARGUMENTS = {"planar": "points= of shape (N, 2)", "cell.periodic": "periodic=", "cell.origin": "origin=",
               "mesh.merge": 'mesh_repair="merge"', "mesh.tolerance": "mesh_tolerance=", "skip_open": "open='skip'"}  # fmt: skip
 

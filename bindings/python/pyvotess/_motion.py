@@ -28,7 +28,7 @@ def _cross(a: Float64Array, b: Float64Array) -> Float64Array:
 
 
 def _length(a: Float64Array) -> Float64Array:
-    unit = 2.0 ** int(np.frexp(np.abs(a).max(initial=0.0))[1])  # so that squares stay in range
+    unit = unit_of(a)
     lengths: Float64Array = unit * np.sqrt(dot(a / unit, a / unit))
     return lengths
 
@@ -51,10 +51,16 @@ class Motion:
     j: Int32Array  # (P,) the neighbor, negative for a wall
     vector: Float64Array  # (3, P), 0 for a wall; in the plane (2, P), as all vectors here
     per_distance: Float64Array  # (P,) 1 / d, 0 for a wall
+    unit: float  # of lengths here and in polygons(): a power of two
 
 
-def motion_of(t: SeedCells, places: Float64Array) -> Motion:
-    """Returns the motion of the faces of seeds, which are at ``places`` in the domain."""
+def unit_of(vectors: Float64Array) -> float:
+    """Returns a power of two near the largest number. In this unit products of lengths stay in range."""
+    return float(2.0 ** (int(np.frexp(np.abs(vectors).max(initial=0.0))[1]) - 1))
+
+
+def motion_of(t: SeedCells, places: Float64Array, scaled: bool = False) -> Motion:
+    """Returns the motion of the faces of seeds, which are at ``places`` in the domain. ``scaled``: in a unit near vectors."""
     rows = t.neighbors
     i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     j = rows.indices
@@ -63,8 +69,9 @@ def motion_of(t: SeedCells, places: Float64Array) -> Motion:
     vector = points.take(np.where(is_seed, j, i), axis=1) - points.take(i, axis=1)
     if t.shifts is not None:
         vector += edges_of(t).T @ np.where(is_seed, t.shifts.T, 0.0)
-    distance = _length(vector)
-    return Motion(i, j, vector, _ratio(np.ones(len(i)), distance))
+    unit = unit_of(vector) if scaled else 1.0
+    vector /= unit
+    return Motion(i, j, vector, _ratio(np.ones(len(i)), _length(vector)), unit)
 
 
 #: Terms of derivatives: the measure of a row changes by `much` times the motion of a face at a point, relative to the
@@ -137,7 +144,8 @@ def polygons(t: SeedCells, places: Float64Array, motion: Motion, faces: Int64Arr
     count = offsets[faces + 1] - offsets[faces]
     indptr = np.concatenate(([0], np.cumsum(count)))
     ids = t.faces.indices.take(np.arange(indptr[-1]) + np.repeat(offsets[faces] - indptr[:-1], count))
-    position = (t.vertices.take(ids, axis=0) - places.take(np.repeat(motion.i[faces], count), axis=0)).T.copy()
+    position = (t.vertices.take(ids, axis=0) - places.take(np.repeat(motion.i[faces], count), axis=0)).T / motion.unit
+    position = np.ascontiguousarray(position)
     each = np.arange(len(faces))
     if t.planar:
         a, b = position[:, 0::2], position[:, 1::2]

@@ -177,8 +177,10 @@ def write_frames(path: Union[str, os.PathLike[str]], frames: Iterable[Frame]) ->
     path : ``.xyz`` or ``.extxyz`` (extended XYZ), ``.dump`` or ``.lammpstrj`` (LAMMPS).
     frames : may be made one after the other; memory holds one. Their columns are written by name.
 
-    Points of two coordinates get z = 0, and their domain the height 1. Raises ValueError for frames without a box or cell,
-    with walls, and for columns or words that a line cannot hold; OSError when the file cannot be written.
+    Points of two coordinates get z = 0, and their domain the height 1; ``read_frames(path, planar=True)`` returns two again.
+
+    Raises ValueError for frames without a box or cell, with walls, and for columns or words that a line cannot hold; OSError
+    when the file cannot be written.
     """
     file = as_path(path, "path")
     make = _FORMATS.get(os.path.splitext(file)[1].lower())

@@ -7,11 +7,19 @@ from typing import TYPE_CHECKING, Any, List, Optional
 import numpy as np
 
 from ._arguments import as_word
-from ._motion import blocks, motion_of
+from ._motion import blocks, motion_of, unit_of
 from .export.optional import imported
 
 if TYPE_CHECKING:
     from ._state import SeedCells
+    from ._types import Float64Array
+
+
+def _unscaled(values: Float64Array, unit: float, power: int) -> Float64Array:
+    """Returns values times a power of the unit, -1 to 2, which by itself may be beyond float64."""
+    for _ in range(power):
+        values = values * unit
+    return values / unit if power < 0 else values
 
 
 def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
@@ -27,19 +35,22 @@ def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
     pieces = t.pieces()  # type: ignore[attr-defined]
     inner = ~pieces.on_surface
     i, j = pieces.cells[pieces._piece_of[inner]], pieces.sources[inner].astype(np.int64)
-    corners = pieces.vertices[pieces._corners[inner]]
+    vector = places[j] - places[i]
+    unit, size = unit_of(vector), places.shape[1]
+    vector /= unit
+    corners = (pieces.vertices[pieces._corners[inner]] - places[i][:, None]) / unit
     along = corners[:, 1] - corners[:, 0]
-    size = places.shape[1]
     area = np.linalg.norm(along if size == 2 else 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]), axis=1)
-    at, vector = corners.mean(axis=1) - places[i], places[j] - places[i]
+    at = corners.mean(axis=1)
     scale = area / np.linalg.norm(vector, axis=1)
     row, seed = np.tile(i, 2), np.concatenate((i, j))
     if by == "weights":
-        value = 0.5 * np.concatenate((scale, -scale))
+        value = 0.5 * _unscaled(np.concatenate((scale, -scale)), unit, size - 2)
         return coo_matrix((value, (row, seed)), shape=(len(t), len(t))).tocsr()
     value = np.concatenate((scale[:, None] * at, scale[:, None] * (vector - at))).ravel()
     column = (size * seed[:, None] + np.arange(size)).ravel()
-    return coo_matrix((value, (np.repeat(row, size), column)), shape=(len(t), size * len(t))).tocsr()
+    entry = (_unscaled(value, unit, size - 1), (np.repeat(row, size), column))
+    return coo_matrix(entry, shape=(len(t), size * len(t))).tocsr()
 
 
 def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any:
@@ -59,15 +70,16 @@ def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any
     by_areas = of == "volumes" and by == "weights" and "areas" in t.wanted
     if t.in_mesh and not by_areas:
         return _volumes_in_mesh(t, places, of, by)
-    motion = motion_of(t, places)
+    motion = motion_of(t, places, scaled=True)
     i, j = motion.i, motion.j
     chosen = np.arange(len(i)) if closed is None else np.flatnonzero(closed[i])
     if by_areas:
         is_seed = chosen[j[chosen] >= 0]
-        value = 0.5 * t.face_areas[is_seed] * motion.per_distance[is_seed]
+        value = 0.5 * t.face_areas[is_seed] / motion.unit * motion.per_distance[is_seed]
         cell, neighbor = i[is_seed], j[is_seed]
         entry = (np.concatenate((value, -value)), (np.tile(cell, 2), np.concatenate((cell, neighbor))))
         return coo_matrix(entry, shape=(len(t), columns)).tocsr()
+    power = size - (1 if of == "volumes" else 2) - (by == "weights")
     # Blocks of cells, and so of rows, need little more memory than the matrix.
     lengths = np.zeros(len(t) if of == "volumes" else len(i), np.int64)
     indices: List[Any] = []
@@ -90,7 +102,7 @@ def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any
                 entries.append((row, j_of[face], (scale * (vector[:, face] - at)).T))
         row, seed, value = (np.concatenate(parts) for parts in zip(*entries))
         kept = seed >= 0
-        row, column, value = row[kept], seed[kept], value[kept]
+        row, column, value = row[kept], seed[kept], _unscaled(value[kept], motion.unit, power)
         if by == "points":
             row, value = np.repeat(row, size), value.ravel()
             column = (size * column.astype(np.int64)[:, None] + np.arange(size)).ravel()

@@ -452,7 +452,7 @@ class Diagram:
 
     def _as_values(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         array = as_float64_or_float32(values, "values").astype(np.float64, copy=False)
-        if array.ndim not in (1, 2) or len(array) != len(self):
+        if array.ndim not in (1, 2) or len(array) != len(self) or array.shape[1:] == (0,):
             raise ValueError(f"values has shape {array.shape}: give ({len(self)},) or ({len(self)}, m)")
         return array
 

@@ -18,7 +18,7 @@ from typing import IO, TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optio
 import numpy as np
 
 from . import _library
-from ._arguments import as_path, as_text, counted, shown
+from ._arguments import as_flag, as_path, as_text, counted, shown
 from ._call import VotessError
 from ._c_api import ErrorCode
 from ._domain import SHORT_FORMS, Domain
@@ -221,6 +221,7 @@ def read_frames(
     dataset: Optional[str] = None,
     columns: Union[str, Sequence[Union[str, int]]] = "all",
     coordinates: Optional[Sequence[Union[str, int]]] = None,
+    planar: bool = False,
 ) -> Iterator[Frame]:
     """Returns an iterator over the frames of a file, in one pass, with memory for few frames.
 
@@ -237,6 +238,7 @@ def read_frames(
     dataset : of .h5 or .npz; default: the only one that fits.
     columns : names of the columns to read, or their numbers from 1; "all" with numbers that have a name.
     coordinates : names or numbers of the columns of x, y and perhaps z, in rows of text, .npz, .ply and LAMMPS dumps.
+    planar : points (N, 2) and a domain of the plane, from a file whose points have one z, as :func:`write_frames` makes it.
 
     Raises ValueError for a file that cannot be read, FileNotFoundError without one, ImportError without ``clvotess``, or
     without h5py for HDF5 where ``clvotess`` lacks it, as in a wheel.
@@ -257,11 +259,13 @@ def read_frames(
     ):
         if value is not None:  # joined, for it may begin with a minus sign
             command += [f"{option}={value}"] if value else [option, value]
+    if as_flag(planar, "planar"):
+        command.append("--2d")
     found = _frames(command, file)
     try:
         first = next(found)  # errors of the file are raised here
     except ValueError as error:
-        if "the module for HDF5 cannot be loaded" not in str(error):  # as in a wheel
+        if planar or "the module for HDF5 cannot be loaded" not in str(error):  # as in a wheel
             raise
         found = (Frame(**parts) for parts in frames_of(file, frames, dataset, names))
         first = next(found)

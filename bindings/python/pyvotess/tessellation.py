@@ -154,7 +154,7 @@ class Tessellation(SeedCells):
             is copy (0, 0, 0).
 
         Raises ValueError if two edges join the same seeds, or one joins a seed to its own image: then give ``replicate``,
-        2 or 3. Also with ``only`` or a mesh.
+        mostly 2 or 3. Also with ``only`` or a mesh.
 
         >>> a = vt.tessellate(points, box="none", want="faces").alpha_complex()
         >>> len(a.simplices[0]), a.simplices[3].shape[1]

@@ -100,7 +100,7 @@ class AlphaComplex(unittest.TestCase):
         one = vt.tessellate([(10, 5, 5)], **options)
         for t, replicate, message in (
             (pair, 1, "two edges join seeds 0 and 1"), (one, 1, "an edge joins seed 0 to its own image"),
-            (one, (2, 1, 1), "two edges join copies of seed 0"),
+            (one, (2, 1, 1), "two edges join copies of seed 0: .*, replicate it 3 times or more"),
         ):  # fmt: skip
             with self.assertRaisesRegex(ValueError, message):
                 t.alpha_complex(replicate=replicate)
@@ -109,7 +109,7 @@ class AlphaComplex(unittest.TestCase):
 
     def test_bad_input(self):
         small = vt.tessellate(uniform(12), box=UNIT_BOX, periodic=True)
-        with self.assertRaisesRegex(ValueError, "two edges join seeds .* replicate it 2 or 3 times"):
+        with self.assertRaisesRegex(ValueError, "two edges join seeds .* replicate it 2 times or more"):
             small.alpha_complex()
         for replicate in (0, (1, -(2**40), 1)):
             with self.assertRaisesRegex(ValueError, "at least 1"):

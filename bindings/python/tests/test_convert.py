@@ -43,16 +43,18 @@ class Packages(unittest.TestCase):
         frame = t.to_dataframe()
         self.assertEqual(len(frame), 62)
         self.assertEqual(list(frame.columns), [
-            "x", "y", "z", "neighbors", "volumes", "centroid_x", "centroid_y", "centroid_z", "surface_areas",
-            "security_radii", "face_counts", "edge_counts", "vertex_counts", "status", "duplicate_of",
+            "x", "y", "z", "neighbors", "volume", "centroid_x", "centroid_y", "centroid_z", "surface_area",
+            "security_radius", "face_count", "edge_count", "vertex_count", "status", "duplicate_of",
         ])
         self.assertEqual(frame.index.name, "id")
         np.testing.assert_array_equal(frame[["x", "y", "z"]], t.points)
-        np.testing.assert_array_equal(frame.volumes, t.volumes)
+        np.testing.assert_array_equal(frame.volume, t.volumes)
         np.testing.assert_array_equal(frame.neighbors, [len(row) for row in t.neighbors])
-        frame.loc[0, "volumes"] = 9
+        frame.loc[0, "volume"] = 9
         weighted = vt.tessellate(uniform(5), weights=np.full(5, 0.01), want=())
-        self.assertEqual(list(weighted.to_dataframe().columns), ["x", "y", "z", "weights", "status"])
+        self.assertEqual(list(weighted.to_dataframe().columns), ["x", "y", "z", "weight", "status"])
+        plane = vt.tessellate(uniform(5)[:, :2], want="volumes,surfaces").to_dataframe()
+        self.assertEqual(list(plane.columns), ["x", "y", "area", "perimeter", "status"])
 
     @have("networkx")
     def test_networkx(self):
@@ -66,7 +68,7 @@ class Packages(unittest.TestCase):
             self.assertAlmostEqual(edge["area"], pairs.area[k])
             self.assertAlmostEqual(edge["distance"], pairs.distance[k])
             self.assertEqual(edge["faces"], 1)
-        self.assertEqual(graph.nodes[3]["volumes"], t.volumes[3])
+        self.assertEqual(graph.nodes[3]["volume"], t.volumes[3])
         self.assertEqual(len(graph[60]), 0)
         self.assertNotIn("area", next(iter(vt.tessellate(uniform(9)).to_networkx().edges(data=True)))[2])
         # Two cells of 1 x 2 x 2 in a periodic cube share two faces, and touch images of themselves in y and z.

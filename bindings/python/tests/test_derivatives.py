@@ -18,11 +18,15 @@ class Derivatives(unittest.TestCase):
     def test_units(self):
         points = uniform(20)
         near = vt.tessellate(points, box=UNIT_BOX, want="faces")
-        for unit in (2.0**-270, 2.0**300):
+        in_mesh = vt.tessellate(points, mesh=CUBE, want="volumes")
+        for unit in (2.0**-500, 2.0**-270, 2.0**300, 2.0**500):
             far = vt.tessellate(points * unit, box=np.asarray(UNIT_BOX) * unit, want="faces")
-            for of, scale in (("volumes", unit**2), ("areas", unit)):
-                found, expected = far.derivatives(of).toarray() / scale, near.derivatives(of).toarray()
+            for of, by, power in (("volumes", "points", 2), ("volumes", "weights", 1), ("areas", "points", 1), ("areas", "weights", 0)):
+                found, expected = far.derivatives(of, by).toarray() / unit**power, near.derivatives(of, by).toarray()
                 np.testing.assert_allclose(found, expected, atol=1e-9)
+            if abs(np.log2(unit)) < 340:  # the volumes of parts are in range
+                far = vt.tessellate(points * unit, mesh=(np.asarray(CUBE[0]) * unit, CUBE[1]), want="volumes")
+                np.testing.assert_allclose(far.derivatives().toarray() / unit**2, in_mesh.derivatives().toarray(), atol=1e-9)
 
     def compare(self, points, weights=None, **domain):
         """Compares derivatives along random directions of all seeds or weights, and of one seed."""

@@ -58,6 +58,8 @@ class Diagrams(unittest.TestCase):
         powers = ((queries[:, None] - points) ** 2).sum(axis=2) - (0.05 * uniform(2000, seed=3)[:, 0]) ** 2
         np.testing.assert_array_equal(found, powers.argmin(axis=1))
         self.assertEqual(d.locate(np.empty((0, 3))).shape, (0,))
+        with self.assertRaisesRegex(ValueError, r"values has shape \(2000, 0\): give"):
+            d.interpolate(np.empty((2000, 0)), queries)
 
     def test_refused(self):
         points = uniform(5)
@@ -146,6 +148,8 @@ class Probing(unittest.TestCase):
         for missing in ("pairs", "derivatives", "delaunay", "verify", "wrapped_points", "points", "save", "plot"):
             self.assertFalse(hasattr(probes, missing), missing)
         self.assertEqual(len(d.probe(np.empty((0, 3)), EVERYTHING)), 0)
+        none = vt.Diagram(np.empty((0, 3)), weights=[], box=UNIT_BOX)
+        self.assertEqual(none.probe([(0.5, 0.5, 0.5)], weights=[2.0]).volumes.tolist(), [1.0])
         # Results outlive the diagram, and can be copied.
         expected = probes.volumes.copy()
         del d

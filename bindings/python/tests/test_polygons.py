@@ -249,6 +249,22 @@ class Polygons(unittest.TestCase):
                 if len(points) == 1:
                     self.assertEqual([len(pieces), len(pieces.rings(0))], [1, 1 + len(holes)])
 
+    def test_no_ring_crosses_itself(self):
+        """Four cells of a turned lattice nearly meet in a point, and rounding turns the edge there around."""
+        square = {"type": "Polygon", "coordinates": [[(-1, -1), (1, -1), (1, 1), (-1, 1)]]}
+
+        def turn(a, b, c):
+            return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+
+        for size in range(2, 7):
+            lattice = np.stack(np.meshgrid(np.arange(size), np.arange(size)), axis=-1).reshape(-1, 2) / size * 2 - 1
+            pieces = vt.tessellate(0.7 * lattice @ [(0.6, 0.8), (-0.8, 0.6)], mesh=square).pieces()
+            for k in range(len(pieces)):
+                (ring,) = pieces.rings(k)
+                corners = exact(ring)
+                for (a, b), (c, d) in itertools.combinations(zip(corners, corners[1:] + corners[:1]), 2):
+                    self.assertFalse(turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0)
+
     def test_corners_of_polygons_keep_their_places(self):
         outline = [(0.1, 0.3), (3.7, 0.2), (4.1, 2.9), (0.7, 3.3)]
         pieces = vt.tessellate([(0.9, 0.9), (3.1, 1.7)], mesh={"type": "Polygon", "coordinates": [outline]}).pieces()

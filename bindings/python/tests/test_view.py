@@ -54,9 +54,9 @@ class Page(Folder):
             shown = volumes(data)
             np.testing.assert_allclose(shown / shown.sum(), t.volumes[kept] / t.volumes.sum(), atol=1e-6)
             columns = {column["name"]: column for column in data["columns"]}
-            self.assertEqual(next(iter(columns)), "volumes")
+            self.assertEqual(next(iter(columns)), "volume")
             np.testing.assert_array_equal(columns["mass"]["values"], kept)
-            np.testing.assert_array_equal(columns["volumes"]["values"], t.volumes[kept].astype(np.float32))
+            np.testing.assert_array_equal(columns["volume"]["values"], t.volumes[kept].astype(np.float32))
             self.assertEqual(len(data["map"]), 256)
             # All lie in the unit ball, centers within their cells' bounds. Each edge of a cell is drawn once.
             self.assertLessEqual(np.linalg.norm(data["vertices"][data["loops"]], axis=1).max(), 1.0001)

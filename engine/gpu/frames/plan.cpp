@@ -32,7 +32,7 @@ void check(const PlanOptions& options) {
     if (options.format != SeedFormat::float32 && options.format != SeedFormat::float64)
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
                " is neither float32 nor float64");
-    check_k_init(options.k_init);
+    check_member("PlanOptions::k_init", options.k_init);
     if (options.areas && !options.neighbors) refuse("areas follow the rows: request neighbors too");
     if (options.follow && options.chunk_size != 0)
         refuse("chunk_size = " + std::to_string(options.chunk_size) +

@@ -173,6 +173,8 @@ static void check_pieces(const votess_result* result) {
     votess_pieces* pieces = NULL;
     CHECK_REFUSES(votess_pieces_new(result, -1, 1, NULL, NULL, &pieces), "gap is -1");
     CHECK_REFUSES(votess_pieces_new(NULL, 0, 1, NULL, NULL, &pieces), "result");
+    CHECK(votess_pieces_new(result, 0, 5000, NULL, NULL, &pieces) == VOTESS_ERROR_INVALID_ARGUMENT);
+    CHECK(strncmp(votess_last_error(), "threads = 5000: give", 20) == 0);  // the parameter
     CHECK(pieces == NULL && votess_pieces_new(result, 0, 1, NULL, NULL, &pieces) == VOTESS_OK);
     size_t length = 0;
     const double* volumes = ARRAY(pieces, pieces, "volumes", &length);

@@ -20,7 +20,7 @@ required_conan_version = ">=2.0"
 
 class VotessRecipe(ConanFile):
     name = "votess"
-    description = "Exact 3D Voronoi tessellation on any GPU and any CPU"
+    description = "Exact 3D and 2D Voronoi tessellation on any GPU and any CPU"
     license = "BSD-3-Clause"
     topics = ("voronoi", "delaunay", "power-diagram", "tessellation", "computational-geometry", "vulkan")
     package_type = "library"

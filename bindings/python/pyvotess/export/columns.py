@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
     Columns = Optional[Mapping[str, npt.ArrayLike]]
 
-_PLOT_WORDS = {"volume": "volumes", "area": "surface_areas"}
+_WORDS = {"area": "surface_area", "weights": "weight"}  # of colors, beside names of arrays
+_IN_PLANE = {"volume": "area", "surface_area": "perimeter"}
 
 
 def neighbor_counts(t: SeedCells) -> npt.NDArray[np.int32]:
@@ -35,17 +36,23 @@ def _arrays_of_cells(t: SeedCells) -> Dict[str, Tuple[str, npt.NDArray[Any]]]:
     return {name: (of.column, held[name]) for name, of in TABLE.items() if of.column and name in held}
 
 
+def column_of(t: SeedCells, word: str) -> str:
+    """Returns the name of a column, as in .csv, for a word of ``color``: "area", an array of the result, or that name."""
+    name = _WORDS.get(word) or (TABLE[word].column if word in TABLE else word)
+    return _IN_PLANE.get(name, name) if t.planar else name
+
+
 def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
-    """Returns all numbers of the cells in the result, as (N,) columns by name."""
+    """Returns all numbers of the cells in the result, as (N,) columns by name. Names are those of .csv."""
     points = np.asarray(t.points)
     columns: Dict[str, npt.NDArray[Any]] = dict(zip("xyz", points.T))
     if t.weights is not None:
-        columns["weights"] = t.weights
+        columns["weight"] = t.weights
     if "neighbors" in t.wanted:
         columns["neighbors"] = neighbor_counts(t)
     for name, (column, values) in _arrays_of_cells(t).items():
         if values.ndim == 1:
-            columns[name] = values
+            columns[column_of(t, name)] = values
         else:
             columns.update({f"{column}_{axis}": part for axis, part in zip("xyz", values.T)})
     columns["status"] = t.status
@@ -101,13 +108,12 @@ def added_columns(t: SeedCells, columns: Columns, taken: Container[str]) -> Dict
 
 
 def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
-    """Returns (N,) values for colors, and their label. ``color``: a column of :func:`cell_columns`, or (N,) values."""
+    """Returns (N,) values for colors, and their label. ``color``: a word of :func:`column_of`, or (N,) values."""
     if isinstance(color, str):
         columns = cell_columns(t)
-        name = _PLOT_WORDS.get(color, color)
+        name = column_of(t, color)
         if name in columns:
-            labels = {"volume": "area", "area": "perimeter"} if t.planar else {"area": "surface area"}
-            return np.asarray(columns[name], np.float64), labels.get(color, color)
+            return np.asarray(columns[name], np.float64), name.replace("_", " ")
         if name in ARRAYS or any(name in names for names in ARRAYS.values()):
             getattr(t, name)  # raises with the word for want, or the name of the array
         axes = "'x', 'y'" if t.planar else "'x', 'y', 'z'"

@@ -16,7 +16,7 @@ import numpy as np
 from .._arguments import as_path, as_word
 from .._input import as_array
 from .colors import COLORMAPS, cell_colors, limits, map_values
-from .columns import added_columns, cell_columns, color_values
+from .columns import added_columns, cell_columns, color_values, column_of
 from .geometry import Mesh, begins, mesh_of
 from .whole_file import whole_file
 
@@ -128,11 +128,10 @@ def _following(mesh: Mesh) -> npt.NDArray[np.int64]:
 def _chosen_first(columns: Values, t: SeedCells, color: Any, colormap: str) -> Values:
     """Returns the columns, the color first."""
     if color is None:
-        color = "volumes" if "volumes" in t.wanted else "neighbors" if "neighbors" in t.wanted else "x"
+        color = "volume" if "volumes" in t.wanted else "neighbors" if "neighbors" in t.wanted else "x"
     colors = not isinstance(color, str) and as_array(color, "color").ndim == 2
     given = cell_colors(t, color, colormap) if colors else color_values(t, color)[0]
-    name = color if isinstance(color, str) else "color"
-    name = {"volume": "volumes", "area": "surface_areas"}.get(name, name)
+    name = column_of(t, color) if isinstance(color, str) else "color"
     return {name: given, **{other: values for other, values in columns.items() if other != name}}
 
 
