@@ -38,6 +38,13 @@ std::uint64_t number_of(const exact::Shift& shift) {
            static_cast<std::uint64_t>(shift[2]) * factor_c;
 }
 
+// Returns a bound on the error of a measured volume whose corners may err. They sweep volume at a rate that the surface
+// bounds, on their way to the true ones. It has at most 4 triangles for each plane. The area of each changes by less
+// than 4 * wide * error on this way, and by as much from the measured surface to the first one.
+double doubt_of_volume(double error, double surface, double wide, int planes) {
+    return error * (surface + 32 * wide * error * planes);
+}
+
 // Returns a number that names an edge of a polygon.
 std::uint64_t number_of_edge(std::uint64_t face, std::uint64_t from, std::uint64_t to) {
     return scrambled(face + from * factor_a + to * factor_b);
@@ -318,10 +325,8 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
         const Vector3 place = planes_.place(i);
         for (const int v : w.shared.to_compare()) {
             const std::int32_t vertex = polytope.vertices()[static_cast<std::size_t>(v)];
-            polytope.sharpen_corner(v, 0x1p-36);
-            if (is_near(polytope, place, v, vertex)) continue;
             polytope.sharpen_corner(v, RowPolytope::sharp);
-            check_vertex(w, i, v, vertex);
+            if (!is_near(polytope, place, v, vertex)) check_vertex(w, i, v, vertex);
         }
     }
     if (!measures_) return true;
@@ -530,13 +535,12 @@ bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
 void Certificate::check_numbers(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     RowPolytope::Measures& m = w.measures;
-    polytope.sharpen(has_places_ ? RowPolytope::sharp : 0x1p-36);
+    polytope.sharpen(RowPolytope::sharp);
     polytope.measure(m, !numbers_.centroids.empty());
     const MeasureUnit unit(unscale_ / polytope.unit(), run_.settled.region.thickness);
     if (!result_.stats.tiny_faces) add_areas(w);
     w.volume += unit.volume(m.volume);
-    // The surface of a convex body is at most pi times the square of its diameter.
-    const double wide = m.diameter + 2 * m.error, doubt = 3.2 * wide * wide * m.error;
+    const double wide = m.diameter + 2 * m.error, doubt = doubt_of_volume(m.error, m.surface, wide, polytope.planes());
     w.doubt += unit.volume(doubt);
     if (endless_.sides != nullptr)
         for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
@@ -591,24 +595,25 @@ void Certificate::measure_handed(Worker& w, std::size_t i) {
     const auto& [nearest, farthest, error] = w.extent;
     bool inside = true;
     for (std::size_t f = 0; f < p.count; ++f) inside = inside && p.d[f] > 0;
-    constexpr double precise = 0x1p-36;
-    if (has_places_ || result_.stats.tiny_faces || !inside || !(error * error < precise * precise * nearest))
+    if (has_places_ || result_.stats.tiny_faces || !inside ||
+        !(error * error < RowPolytope::sharp * RowPolytope::sharp * nearest))
         return check_numbers(w, i);
     const std::span<const double> doubled = polytope.vector_areas(w.measures.vectors);
     w.measures.areas.resize(p.count);
-    double volume = 0;
+    double volume = 0, surface = 0;
     for (std::size_t f = 0; f < p.count; ++f) {
-        const double inverse = 1 / p.length[f],
+        const double inverse = p.inverse[f],
                      area = 0.5 * inverse *
                             (doubled[4 * f] * p.nx[f] + doubled[4 * f + 1] * p.ny[f] + doubled[4 * f + 2] * p.nz[f]);
         w.measures.areas[f] = area;
         volume += area * p.d[f] * inverse / 3;
+        surface += area;
     }
     add_areas(w);
     const MeasureUnit unit(unscale_, run_.settled.region.thickness);
     const double wide = 2 * (std::sqrt(farthest) + error);
     w.volume += unit.volume(volume);
-    w.doubt += unit.volume(3.2 * wide * wide * error);  // as above
+    w.doubt += unit.volume(doubt_of_volume(error, surface, wide, polytope.planes()));
 }
 
 // Counts the areas of faces with other cells.

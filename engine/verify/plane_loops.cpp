@@ -132,6 +132,7 @@ VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
     double* const __restrict d = planes.d.data();
     double* const __restrict length = planes.length.data();
     double* const __restrict size = planes.size.data();
+    double* const __restrict inverse = planes.inverse.data();
     double* const __restrict distance = planes.distance.data();
     const double *const x = planes.nx.data(), *const y = planes.ny.data(), *const z = planes.nz.data(),
                         *const power = planes.power.data();
@@ -141,7 +142,8 @@ VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
         d[f] = 0.5 * (square + power[f]);
         length[f] = root;
         size[f] = is_ordinary(root, most) ? most : infinity;  // which no bound trusts
-        distance[f] = size[f] / root;
+        inverse[f] = 1 / root;
+        distance[f] = size[f] * inverse[f];
     }
     planes.longest = largest_of(planes.length, planes.padded);
     planes.largest = largest_of(planes.size, planes.padded);
@@ -198,9 +200,10 @@ void PlaneArrays::remove(std::size_t first) {
 void PlaneArrays::pad() {
     padded = (count + lanes - 1) / lanes * lanes;
     if (nx.size() < padded)
-        for (auto* values : {&nx, &ny, &nz, &d, &length, &size, &distance, &power}) values->resize(2 * padded);
+        for (auto* values : {&nx, &ny, &nz, &d, &length, &size, &inverse, &distance, &power})
+            values->resize(2 * padded);
     for (std::size_t f = count; f < padded; ++f) {
-        nx[f] = ny[f] = nz[f] = length[f] = size[f] = distance[f] = power[f] = 0;
+        nx[f] = ny[f] = nz[f] = length[f] = size[f] = inverse[f] = distance[f] = power[f] = 0;
         d[f] = 1;
     }
 }

@@ -26,7 +26,7 @@ struct PlaneArrays {
     static constexpr std::size_t lanes = 4;
 
     std::vector<double> nx, ny, nz, d, length, size;  // of normals; bounds of |d|
-    std::vector<double> distance;                     // size / length
+    std::vector<double> inverse, distance;            // of length; size / length
     std::vector<double> power;                        // of bisectors, until complete()
     std::size_t count = 0, padded = 0;
     double longest = 0, largest = 0;  // length, size

@@ -47,7 +47,8 @@ void RowPolytope::add(const Name& name, const RoundedPlane& plane) {
     p_.nx[f] = plane.n[0], p_.ny[f] = plane.n[1], p_.nz[f] = plane.n[2];
     p_.d[f] = plane.d, p_.length[f] = plane.length;
     p_.size[f] = is_ordinary(plane.length, plane.size) ? plane.size : infinity;  // which no bound trusts
-    p_.distance[f] = p_.size[f] / plane.length;
+    p_.inverse[f] = 1 / plane.length;
+    p_.distance[f] = p_.size[f] * p_.inverse[f];
     p_.longest = std::max(p_.longest, p_.length[f]);
     p_.largest = std::max(p_.largest, p_.size[f]);
 }
@@ -774,7 +775,7 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
     out.volume = out.surface = out.error = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
-        const double inverse = 1 / p_.length[at(f)];
+        const double inverse = p_.inverse[at(f)];
         areas[f] *= 0.5 * inverse;
         out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * inverse / 3;  // corners have more digits than d
         out.surface += areas[f];

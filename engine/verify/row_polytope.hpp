@@ -142,8 +142,8 @@ public:
     }
     // Returns the outward normal of a plane, of length 1.
     [[nodiscard]] Vector3 unit_normal(int plane) const {
-        const double length = p_.length[at(plane)];
-        return {p_.nx[at(plane)] / length, p_.ny[at(plane)] / length, p_.nz[at(plane)] / length};
+        const double inverse = p_.inverse[at(plane)];
+        return {p_.nx[at(plane)] * inverse, p_.ny[at(plane)] * inverse, p_.nz[at(plane)] * inverse};
     }
     // The planes of Shape::repeated.
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
@@ -169,7 +169,7 @@ public:
     // Whether all corners surely lie inside the plane and not on it. reach: as above.
     [[nodiscard]] bool is_beyond(const RoundedPlane& plane, double reach) const;
 
-    static constexpr double sharp = 0x1p-40;
+    static constexpr double sharp = 0x1p-36;
     // Makes places of corners exact to rounding, where they may err by more than this part of their distance.
     void sharpen(double relative_error);
     void sharpen_corner(int corner, double relative_error) { sharpen(corners_[at(corner)], relative_error); }
