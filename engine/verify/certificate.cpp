@@ -241,6 +241,7 @@ std::optional<Certificate::Verdict> Certificate::prove_shared() {
         });
         return !failed;
     };
+    if (!endless_.covered_once) find_place();
     const bool shared = try_all([&](Worker& w, std::size_t i) {
         if (!has_right_side(w, i)) return false;
         if (result_.status[i] == CellStatus::certified) return check_shared(w, i);
@@ -276,7 +277,7 @@ bool Certificate::shared_cover_once(Worker& sum) {
     if (std::ranges::find(result_.status, CellStatus::certified) == result_.status.end()) return false;
     const Domain& domain = planes_.domain();
     if (endless_.covered_once) return true;
-    if (!domain.is_periodic()) return is_covered_once();
+    if (!domain.is_periodic()) return no_other_covers();
     if (!(domain.periodic[0] && domain.periodic[1] && domain.periodic[2])) return check_volume(sum), true;
     double volume = 0;
     for (const auto& w : workers_) volume += w->shared.volume();
@@ -312,6 +313,7 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
         if (result_.indices[entry - 1] >= result_.indices[entry] && !(rows_.label(entry - 1) < rows_.label(entry)))
             return false;
     if (!add_row(w, i)) return false;
+    tally_cover(w, i);
     const std::span<const std::int64_t> offsets(result_.face_offsets.data() + begin, end - begin + 1);
     const auto first = static_cast<std::size_t>(offsets.front()), last = static_cast<std::size_t>(offsets.back());
     const auto vertices = std::span<const std::int32_t>(result_.face_vertices).subspan(first, last - first);
@@ -584,7 +586,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
         compare(what, given, static_cast<double>(found), 0);
     };
     count("a number of faces", result_.face_counts[i], faces);
-    count("a number of edges", result_.edge_counts[i], polytope.edges().size());
+    count("a number of edges", result_.edge_counts[i], polytope.edge_count());
     count("a number of vertices", result_.vertex_counts[i], polytope.corners().size());
 }
 
@@ -969,12 +971,15 @@ void Certificate::check_names(Worker& w, std::size_t i) {
 void Certificate::check_corner(Worker& w, std::size_t i, int corner) {
     RowPolytope& polytope = w.polytope;
     const std::span<const int> through = polytope.through(corner);
+    w.asked.clear();
     for (const int f : through) {
         const Name& neighbor = polytope.name(f);
         if (neighbor.id < 0 || !polytope.has_face(f)) continue;
         for_neighbors(neighbor, [&](const Name& other) {
             if (other.id == static_cast<std::int32_t>(i) && other.shift == exact::Shift{}) return;
             if (std::ranges::any_of(through, [&](int g) { return polytope.name(g) == other; })) return;
+            if (std::ranges::find(w.asked, other) != w.asked.end()) return;
+            w.asked.push_back(other);
             if (polytope.side(corner, other) <= 0) return;
             w.fault.note(static_cast<std::int64_t>(i), [&] {
                 return "seed " + std::to_string(i) + " lists " + text_of(neighbor) + ", but not its neighbor " +
@@ -1132,29 +1137,32 @@ void Certificate::check_volume(Worker& sum) {
 // Condition 3 where sums of volumes have lost their digits, as in domains that end far away. In a periodic domain all
 // images of all cells would have to be asked; see Endless::covered_once.
 bool Certificate::is_covered_once() {
-    Vector3 place;
-    const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);
-    if (!owner) return false;
+    find_place();
     for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
-        if (i == *owner || result_.status[i] != CellStatus::certified) return;
-        const Vector3 from = minus(place, planes_.place(i));
-        const double length = length3(from[0], from[1], from[2]);
-        for (std::size_t entry = rows_.begin(i); entry < rows_.end(i); ++entry) {
-            const Name other = name(entry);
-            if (other.id < 0) continue;
-            const RoundedPlane plane = planes_.rounded(i, other.id, other.shift);
-            if (dot(plane.n, from) - plane.d > RowPolytope::doubt_of(plane, length)) return;
-        }
-        ++w.covering;
+        if (covered_by_ && result_.status[i] == CellStatus::certified && add_row(w, i)) tally_cover(w, i);
     });
-    return std::ranges::all_of(workers_, [](const auto& w) { return w->covering == 0; });
+    return no_other_covers();
 }
 
-// Finds a place that lies certainly inside a cell. Returns the cell: the smallest of the first few, as places far away
-// have fewer digits.
-std::optional<std::size_t> Certificate::find_place(Vector3& place) {
+// Counts a cell that may hold the place found. Its polytope has its planes.
+void Certificate::tally_cover(Worker& w, std::size_t i) const {
+    if (!covered_by_ || i == *covered_by_) return;
+    Vector3 from = minus(place_, planes_.place(i));
+    for (double& x : from) x *= w.polytope.unit();
+    const double length = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);  // at least
+    for (int f = 0; f < w.polytope.planes(); ++f)
+        if (w.polytope.is_surely_outside(from, length, f)) return;
+    ++w.covering;
+}
+
+bool Certificate::no_other_covers() const {
+    return covered_by_ && std::ranges::all_of(workers_, [](const auto& w) { return w->covering == 0; });
+}
+
+// Finds a place that lies certainly inside a cell: the smallest of the first few, as places far away have fewer digits.
+void Certificate::find_place() {
+    if (planes_.domain().is_periodic()) return;
     Worker& w = *workers_.front();
-    std::optional<std::size_t> found;
     double least = infinity;
     std::size_t tried = 0;
     for (std::size_t i = 0; i < result_.status.size() && tried < max_tried_places; ++i) {
@@ -1175,9 +1183,8 @@ std::optional<std::size_t> Certificate::find_place(Vector3& place) {
             const RoundedPlane plane = planes_.rounded(i, other.id, other.shift);
             inside = inside && plane.d - dot(plane.n, from) > RowPolytope::doubt_of(plane, length);
         }
-        if (inside) found = i, least = reach, place = middle;
+        if (inside) covered_by_ = i, least = reach, place_ = middle;
     }
-    return found;
 }
 
 }  // namespace votess
