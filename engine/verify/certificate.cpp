@@ -38,6 +38,13 @@ std::uint64_t number_of(const exact::Shift& shift) {
            static_cast<std::uint64_t>(shift[2]) * factor_c;
 }
 
+// Returns a bound on the error of a measured volume whose corners may err. They sweep volume at a rate that the surface
+// bounds, on their way to the true ones. It has at most 4 triangles for each plane. The area of each changes by less
+// than 4 * wide * error on this way, and by as much from the measured surface to the first one.
+double doubt_of_volume(double error, double surface, double wide, int planes) {
+    return error * (surface + 32 * wide * error * planes);
+}
+
 // Returns a number that names an edge of a polygon.
 std::uint64_t number_of_edge(std::uint64_t face, std::uint64_t from, std::uint64_t to) {
     return scrambled(face + from * factor_a + to * factor_b);
@@ -234,6 +241,7 @@ std::optional<Certificate::Verdict> Certificate::prove_shared() {
         });
         return !failed;
     };
+    if (!endless_.covered_once) find_place();
     const bool shared = try_all([&](Worker& w, std::size_t i) {
         if (!has_right_side(w, i)) return false;
         if (result_.status[i] == CellStatus::certified) return check_shared(w, i);
@@ -269,7 +277,7 @@ bool Certificate::shared_cover_once(Worker& sum) {
     if (std::ranges::find(result_.status, CellStatus::certified) == result_.status.end()) return false;
     const Domain& domain = planes_.domain();
     if (endless_.covered_once) return true;
-    if (!domain.is_periodic()) return is_covered_once();
+    if (!domain.is_periodic()) return no_other_covers();
     if (!(domain.periodic[0] && domain.periodic[1] && domain.periodic[2])) return check_volume(sum), true;
     double volume = 0;
     for (const auto& w : workers_) volume += w->shared.volume();
@@ -305,6 +313,7 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
         if (result_.indices[entry - 1] >= result_.indices[entry] && !(rows_.label(entry - 1) < rows_.label(entry)))
             return false;
     if (!add_row(w, i)) return false;
+    tally_cover(w, i);
     const std::span<const std::int64_t> offsets(result_.face_offsets.data() + begin, end - begin + 1);
     const auto first = static_cast<std::size_t>(offsets.front()), last = static_cast<std::size_t>(offsets.back());
     const auto vertices = std::span<const std::int32_t>(result_.face_vertices).subspan(first, last - first);
@@ -318,10 +327,8 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
         const Vector3 place = planes_.place(i);
         for (const int v : w.shared.to_compare()) {
             const std::int32_t vertex = polytope.vertices()[static_cast<std::size_t>(v)];
-            polytope.sharpen_corner(v, 0x1p-36);
-            if (is_near(polytope, place, v, vertex)) continue;
             polytope.sharpen_corner(v, RowPolytope::sharp);
-            check_vertex(w, i, v, vertex);
+            if (!is_near(polytope, place, v, vertex)) check_vertex(w, i, v, vertex);
         }
     }
     if (!measures_) return true;
@@ -530,13 +537,12 @@ bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
 void Certificate::check_numbers(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     RowPolytope::Measures& m = w.measures;
-    polytope.sharpen(has_places_ ? RowPolytope::sharp : 0x1p-36);
+    polytope.sharpen(RowPolytope::sharp);
     polytope.measure(m, !numbers_.centroids.empty());
     const MeasureUnit unit(unscale_ / polytope.unit(), run_.settled.region.thickness);
     if (!result_.stats.tiny_faces) add_areas(w);
     w.volume += unit.volume(m.volume);
-    // The surface of a convex body is at most pi times the square of its diameter.
-    const double wide = m.diameter + 2 * m.error, doubt = 3.2 * wide * wide * m.error;
+    const double wide = m.diameter + 2 * m.error, doubt = doubt_of_volume(m.error, m.surface, wide, polytope.planes());
     w.doubt += unit.volume(doubt);
     if (endless_.sides != nullptr)
         for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
@@ -580,7 +586,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
         compare(what, given, static_cast<double>(found), 0);
     };
     count("a number of faces", result_.face_counts[i], faces);
-    count("a number of edges", result_.edge_counts[i], polytope.edges().size());
+    count("a number of edges", result_.edge_counts[i], polytope.edge_count());
     count("a number of vertices", result_.vertex_counts[i], polytope.corners().size());
 }
 
@@ -591,24 +597,25 @@ void Certificate::measure_handed(Worker& w, std::size_t i) {
     const auto& [nearest, farthest, error] = w.extent;
     bool inside = true;
     for (std::size_t f = 0; f < p.count; ++f) inside = inside && p.d[f] > 0;
-    constexpr double precise = 0x1p-36;
-    if (has_places_ || result_.stats.tiny_faces || !inside || !(error * error < precise * precise * nearest))
+    if (has_places_ || result_.stats.tiny_faces || !inside ||
+        !(error * error < RowPolytope::sharp * RowPolytope::sharp * nearest))
         return check_numbers(w, i);
     const std::span<const double> doubled = polytope.vector_areas(w.measures.vectors);
     w.measures.areas.resize(p.count);
-    double volume = 0;
+    double volume = 0, surface = 0;
     for (std::size_t f = 0; f < p.count; ++f) {
-        const double inverse = 1 / p.length[f],
+        const double inverse = p.inverse[f],
                      area = 0.5 * inverse *
                             (doubled[4 * f] * p.nx[f] + doubled[4 * f + 1] * p.ny[f] + doubled[4 * f + 2] * p.nz[f]);
         w.measures.areas[f] = area;
         volume += area * p.d[f] * inverse / 3;
+        surface += area;
     }
     add_areas(w);
     const MeasureUnit unit(unscale_, run_.settled.region.thickness);
     const double wide = 2 * (std::sqrt(farthest) + error);
     w.volume += unit.volume(volume);
-    w.doubt += unit.volume(3.2 * wide * wide * error);  // as above
+    w.doubt += unit.volume(doubt_of_volume(error, surface, wide, polytope.planes()));
 }
 
 // Counts the areas of faces with other cells.
@@ -964,12 +971,15 @@ void Certificate::check_names(Worker& w, std::size_t i) {
 void Certificate::check_corner(Worker& w, std::size_t i, int corner) {
     RowPolytope& polytope = w.polytope;
     const std::span<const int> through = polytope.through(corner);
+    w.asked.clear();
     for (const int f : through) {
         const Name& neighbor = polytope.name(f);
         if (neighbor.id < 0 || !polytope.has_face(f)) continue;
         for_neighbors(neighbor, [&](const Name& other) {
             if (other.id == static_cast<std::int32_t>(i) && other.shift == exact::Shift{}) return;
             if (std::ranges::any_of(through, [&](int g) { return polytope.name(g) == other; })) return;
+            if (std::ranges::find(w.asked, other) != w.asked.end()) return;
+            w.asked.push_back(other);
             if (polytope.side(corner, other) <= 0) return;
             w.fault.note(static_cast<std::int64_t>(i), [&] {
                 return "seed " + std::to_string(i) + " lists " + text_of(neighbor) + ", but not its neighbor " +
@@ -1127,29 +1137,32 @@ void Certificate::check_volume(Worker& sum) {
 // Condition 3 where sums of volumes have lost their digits, as in domains that end far away. In a periodic domain all
 // images of all cells would have to be asked; see Endless::covered_once.
 bool Certificate::is_covered_once() {
-    Vector3 place;
-    const std::optional<std::size_t> owner = planes_.domain().is_periodic() ? std::nullopt : find_place(place);
-    if (!owner) return false;
+    find_place();
     for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
-        if (i == *owner || result_.status[i] != CellStatus::certified) return;
-        const Vector3 from = minus(place, planes_.place(i));
-        const double length = length3(from[0], from[1], from[2]);
-        for (std::size_t entry = rows_.begin(i); entry < rows_.end(i); ++entry) {
-            const Name other = name(entry);
-            if (other.id < 0) continue;
-            const RoundedPlane plane = planes_.rounded(i, other.id, other.shift);
-            if (dot(plane.n, from) - plane.d > RowPolytope::doubt_of(plane, length)) return;
-        }
-        ++w.covering;
+        if (covered_by_ && result_.status[i] == CellStatus::certified && add_row(w, i)) tally_cover(w, i);
     });
-    return std::ranges::all_of(workers_, [](const auto& w) { return w->covering == 0; });
+    return no_other_covers();
 }
 
-// Finds a place that lies certainly inside a cell. Returns the cell: the smallest of the first few, as places far away
-// have fewer digits.
-std::optional<std::size_t> Certificate::find_place(Vector3& place) {
+// Counts a cell that may hold the place found. Its polytope has its planes.
+void Certificate::tally_cover(Worker& w, std::size_t i) const {
+    if (!covered_by_ || i == *covered_by_) return;
+    Vector3 from = minus(place_, planes_.place(i));
+    for (double& x : from) x *= w.polytope.unit();
+    const double length = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);  // at least
+    for (int f = 0; f < w.polytope.planes(); ++f)
+        if (w.polytope.is_surely_outside(from, length, f)) return;
+    ++w.covering;
+}
+
+bool Certificate::no_other_covers() const {
+    return covered_by_ && std::ranges::all_of(workers_, [](const auto& w) { return w->covering == 0; });
+}
+
+// Finds a place that lies certainly inside a cell: the smallest of the first few, as places far away have fewer digits.
+void Certificate::find_place() {
+    if (planes_.domain().is_periodic()) return;
     Worker& w = *workers_.front();
-    std::optional<std::size_t> found;
     double least = infinity;
     std::size_t tried = 0;
     for (std::size_t i = 0; i < result_.status.size() && tried < max_tried_places; ++i) {
@@ -1170,9 +1183,8 @@ std::optional<std::size_t> Certificate::find_place(Vector3& place) {
             const RoundedPlane plane = planes_.rounded(i, other.id, other.shift);
             inside = inside && plane.d - dot(plane.n, from) > RowPolytope::doubt_of(plane, length);
         }
-        if (inside) found = i, least = reach, place = middle;
+        if (inside) covered_by_ = i, least = reach, place_ = middle;
     }
-    return found;
 }
 
 }  // namespace votess

@@ -99,7 +99,7 @@ private:
         void name_for(std::int32_t cell) { named_cells.emplace_back(cell, named.size()); }
         std::uint64_t polygons = 0;  // sum over both sides of all faces
         double volume = 0, doubt = 0;
-        std::size_t covering = 0;  // cells that may hold the place of is_covered_once()
+        std::size_t covering = 0;  // other cells that may hold place_
         Fault fault, unsettled;
         std::int32_t owner = -1;    // a live seed from which to look for others
         struct PlaneName {          // what a plane adds to the name of a corner
@@ -114,8 +114,9 @@ private:
             std::uint64_t key;
         };
         std::vector<Vertex> found;
-        bool has_polygons = false;           // the polytope is that of polygons
-        std::vector<std::int32_t> vertices;  // by corner
+        std::vector<RowPolytope::Name> asked;  // whose planes do not cut a corner off, see check_corner()
+        bool has_polygons = false;             // the polytope is that of polygons
+        std::vector<std::int32_t> vertices;    // by corner
         FaceTally areas;
         std::vector<double> seed_areas;
         struct UnlistedWall {
@@ -179,7 +180,9 @@ private:
     void for_neighbors(const RowPolytope::Name& of, const Visit& visit) const;
     void check_volume(Worker& sum);
     [[nodiscard]] bool is_covered_once();
-    [[nodiscard]] std::optional<std::size_t> find_place(Vector3& place);
+    void tally_cover(Worker& w, std::size_t i) const;
+    [[nodiscard]] bool no_other_covers() const;
+    void find_place();
     static void unsettle(Worker& w, std::size_t i, const char* why);
 
     const CheckedRun& run_;
@@ -198,8 +201,10 @@ private:
         double offset;
     };
     std::vector<NearWall> walls_;
-    bool has_places_ = false;  // or other numbers that are compared
-    bool measures_ = false;    // volumes or others are needed
+    bool has_places_ = false;                // or other numbers that are compared
+    bool measures_ = false;                  // volumes or others are needed
+    std::optional<std::size_t> covered_by_;  // the cell that holds place_
+    Vector3 place_{};
     ThreadPool pool_;
     std::vector<std::unique_ptr<Worker>> workers_;
     std::vector<std::uint64_t> open_names_;  // sums over all workers, by bucket

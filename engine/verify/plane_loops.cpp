@@ -128,10 +128,31 @@ VOTESS_INLINE void add_areas_body(std::span<const PlaneEdge> edges, const PlaneC
     }
 }
 
+VOTESS_INLINE void add_areas_of_fans_body(std::span<const PlaneFan> fans, const PlaneCorner* corners,
+                                          const Vector3& origin, double* areas) {
+    const Real4 middle{origin[0], origin[1], origin[2], 0};
+    for (std::size_t v = 0; v < fans.size(); ++v) {
+        Real4 from, to, sum;
+        std::memcpy(&from, corners + v, sizeof from);  // as above
+        from -= middle;
+        const Real4 turned = __builtin_shufflevector(from, from, 1, 2, 0, 3);
+        for (std::size_t k = 0; k < 3; ++k) {
+            std::memcpy(&to, corners + fans[v].after(k), sizeof to);
+            to -= middle;
+            const Real4 turn = from * __builtin_shufflevector(to, to, 1, 2, 0, 3) - turned * to;
+            double* const of_plane = areas + 4 * fans[v].plane(k);
+            load(sum, of_plane);
+            sum += __builtin_shufflevector(turn, turn, 1, 2, 0, 3);
+            std::memcpy(of_plane, &sum, sizeof sum);
+        }
+    }
+}
+
 VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
     double* const __restrict d = planes.d.data();
     double* const __restrict length = planes.length.data();
     double* const __restrict size = planes.size.data();
+    double* const __restrict inverse = planes.inverse.data();
     double* const __restrict distance = planes.distance.data();
     const double *const x = planes.nx.data(), *const y = planes.ny.data(), *const z = planes.nz.data(),
                         *const power = planes.power.data();
@@ -141,7 +162,8 @@ VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
         d[f] = 0.5 * (square + power[f]);
         length[f] = root;
         size[f] = is_ordinary(root, most) ? most : infinity;  // which no bound trusts
-        distance[f] = size[f] / root;
+        inverse[f] = 1 / root;
+        distance[f] = size[f] * inverse[f];
     }
     planes.longest = largest_of(planes.length, planes.padded);
     planes.largest = largest_of(planes.size, planes.padded);
@@ -168,8 +190,13 @@ VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
                                  double* areas) {                                                                     \
         add_areas_body(edges, corners, origin, areas);                                                                \
     }                                                                                                                 \
-    constexpr PlaneLoops loops_##NAME{complete_##NAME, sure_corner_##NAME, sure_corner_and_inverses_##NAME,           \
-                                      inverses_##NAME, first_hit_##NAME,   add_areas_##NAME};
+    TARGET void add_areas_of_fans_##NAME(std::span<const PlaneFan> fans, const PlaneCorner* corners,                  \
+                                         const Vector3& origin, double* areas) {                                      \
+        add_areas_of_fans_body(fans, corners, origin, areas);                                                         \
+    }                                                                                                                 \
+    constexpr PlaneLoops loops_##NAME{complete_##NAME,         sure_corner_##NAME, sure_corner_and_inverses_##NAME,   \
+                                      inverses_##NAME,         first_hit_##NAME,   add_areas_##NAME,                  \
+                                      add_areas_of_fans_##NAME};
 
 VOTESS_LOOPS(baseline, )
 #if defined(__x86_64__)
@@ -198,9 +225,10 @@ void PlaneArrays::remove(std::size_t first) {
 void PlaneArrays::pad() {
     padded = (count + lanes - 1) / lanes * lanes;
     if (nx.size() < padded)
-        for (auto* values : {&nx, &ny, &nz, &d, &length, &size, &distance, &power}) values->resize(2 * padded);
+        for (auto* values : {&nx, &ny, &nz, &d, &length, &size, &inverse, &distance, &power})
+            values->resize(2 * padded);
     for (std::size_t f = count; f < padded; ++f) {
-        nx[f] = ny[f] = nz[f] = length[f] = size[f] = distance[f] = power[f] = 0;
+        nx[f] = ny[f] = nz[f] = length[f] = size[f] = inverse[f] = distance[f] = power[f] = 0;
         d[f] = 1;
     }
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct PlaneArrays {
     static constexpr std::size_t lanes = 4;
 
     std::vector<double> nx, ny, nz, d, length, size;  // of normals; bounds of |d|
-    std::vector<double> distance;                     // size / length
+    std::vector<double> inverse, distance;            // of length; size / length
     std::vector<double> power;                        // of bisectors, until complete()
     std::size_t count = 0, padded = 0;
     double longest = 0, largest = 0;  // length, size
@@ -54,6 +55,14 @@ struct PlaneEdge {
     int from, to, left, right;
 };
 
+// The polygons around a corner, if they are closed: the one in plane(k), seen from outside, comes from the corner
+// after(k - 1), in the sense of (0, 1, 2), and goes to after(k).
+struct PlaneFan {
+    std::array<std::uint64_t, 4> sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
+    [[nodiscard]] int plane(std::size_t k) const { return static_cast<int>(sides[k] & 0xffff); }
+    [[nodiscard]] int after(std::size_t k) const { return static_cast<int>(sides[k] >> 32); }
+};
+
 struct Hit {
     int plane = -1;
     double time = 0;
@@ -75,6 +84,9 @@ struct PlaneLoops {
     // Adds twice the vector area of each face, seen from the origin, to areas[4 f] to areas[4 f + 2].
     void (*add_areas)(std::span<const PlaneEdge> edges, const PlaneCorner* corners, const Vector3& origin,
                       double* areas);
+    // The same of fans, one for each corner.
+    void (*add_areas_of_fans)(std::span<const PlaneFan> fans, const PlaneCorner* corners, const Vector3& origin,
+                              double* areas);
 };
 const PlaneLoops& plane_loops();
 

@@ -47,7 +47,8 @@ void RowPolytope::add(const Name& name, const RoundedPlane& plane) {
     p_.nx[f] = plane.n[0], p_.ny[f] = plane.n[1], p_.nz[f] = plane.n[2];
     p_.d[f] = plane.d, p_.length[f] = plane.length;
     p_.size[f] = is_ordinary(plane.length, plane.size) ? plane.size : infinity;  // which no bound trusts
-    p_.distance[f] = p_.size[f] / plane.length;
+    p_.inverse[f] = 1 / plane.length;
+    p_.distance[f] = p_.size[f] * p_.inverse[f];
     p_.longest = std::max(p_.longest, p_.length[f]);
     p_.largest = std::max(p_.largest, p_.size[f]);
 }
@@ -170,18 +171,28 @@ bool RowPolytope::close_polygons(std::span<const std::int64_t> offsets, std::spa
     Fan* const fans = fans_.data();
     used_.assign(count, 0);
     std::uint16_t* const used = used_.data();
+    // Where a polygon ends is hard to foretell. So all places are taken in one loop, and those before polygons begin
+    // and after they end are corrected first.
+    constexpr std::size_t usual = 16;  // places that are filled at once
+    sides_.resize(3 * (vertices.size() + usual));
+    std::uint16_t *const faces = sides_.data(), *const before = faces + vertices.size() + usual,
+                         *const after = before + vertices.size() + usual;
+    std::copy_n(slots, vertices.size(), before + 1);
+    std::copy_n(slots + 1, vertices.size() - 1, after);
     std::size_t begin = 0;
     for (std::size_t f = 0; f < n; ++f) {
         const auto end = static_cast<std::size_t>(offsets[f + 1] - offsets[0]);
         if (begin == end) return false;
-        std::uint64_t before = slots[end - 1], corner = slots[begin];
-        const auto add = [&](std::uint64_t after) {
-            fans[corner].sides[used[corner]++ & 3] = f | before << 16 | after << 32;
-            before = corner, corner = after;
-        };
-        for (std::size_t k = begin + 1; k < end; ++k) add(slots[k]);
-        add(slots[begin]);
+        std::fill_n(faces + begin, usual, static_cast<std::uint16_t>(f));
+        if (end - begin > usual) std::fill(faces + begin + usual, faces + end, static_cast<std::uint16_t>(f));
+        before[begin] = slots[end - 1];
+        after[end - 1] = slots[begin];
         begin = end;
+    }
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const std::size_t corner = slots[k];
+        fans[corner].sides[used[corner]++ & 3] =
+            faces[k] | std::uint64_t{before[k]} << 16 | std::uint64_t{after[k]} << 32;
     }
     std::uint64_t wrong = 0;
     for (std::size_t v = 0; v < count; ++v) {
@@ -291,17 +302,7 @@ void RowPolytope::begin_corners() {
 
 void RowPolytope::take_fans() {
     faces_.assign(names_.size(), 1);
-    edges_.resize(3 * fans_.size() / 2 + 1);
-    Edge* edge = edges_.data();
-    // Which end is lower is hard to predict, so there is no branch.
-    for (int v = 0; v < static_cast<int>(fans_.size()); ++v) {
-        const Fan& fan = fans_[at(v)];
-        for (std::size_t k = 0; k < 3; ++k) {
-            *edge = {v, fan.after(k), fan.plane(k), fan.plane(k == 0 ? 2 : k - 1)};
-            edge += v < fan.after(k) ? 1 : 0;
-        }
-    }
-    edges_.resize(static_cast<std::size_t>(edge - edges_.data()));
+    edges_.clear();
 }
 
 bool RowPolytope::wrap_polygons(std::span<const std::int64_t> offsets, std::span<const std::int32_t> vertices) {
@@ -741,6 +742,18 @@ RowPolytope::Shape RowPolytope::find_faces() {
     return Shape::solid;
 }
 
+// Visits both sides of each edge: from, to, face. Seen from outside, the face lies on the left.
+template <class Visit>
+void RowPolytope::for_sides(const Visit& visit) const {
+    for (const Edge& edge : edges_) {
+        visit(edge.from, edge.to, edge.left);
+        visit(edge.to, edge.from, edge.right);
+    }
+    if (!edges_.empty()) return;
+    for (std::size_t v = 0; v < fans_.size(); ++v)
+        for (std::size_t k = 0; k < 3; ++k) visit(static_cast<int>(v), fans_[v].after(k), fans_[v].plane(k));
+}
+
 void RowPolytope::measure(Measures& out, bool centroid) const {
     Vector3 origin{};  // the seed, or a corner if the seed lies outside
     for (int f = 0; f < planes(); ++f)
@@ -751,8 +764,11 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
     int* const anchors = out.anchors.data();
     const auto place = [&](int corner) { return minus(corners_[at(corner)].at, origin); };
     out.vectors.assign(4 * names_.size(), 0);
-    loops_.add_areas(edges_, corners_.data(), origin, out.vectors.data());
-    for (const Edge& edge : edges_) anchors[edge.left] = anchors[edge.right] = edge.from;
+    if (edges_.empty())
+        loops_.add_areas_of_fans(fans_, corners_.data(), origin, out.vectors.data());
+    else
+        loops_.add_areas(edges_, corners_.data(), origin, out.vectors.data());
+    for_sides([&](int from, int, int f) { anchors[f] = from; });
     for (int f = 0; f < planes(); ++f) {
         const double* const twice = &out.vectors[at(4 * f)];
         areas[f] = twice[0] * p_.nx[at(f)] + twice[1] * p_.ny[at(f)] + twice[2] * p_.nz[at(f)];
@@ -760,21 +776,18 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
     if (centroid) {
         double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
         Vector3 moment{};
-        for (const Edge& edge : edges_) {
-            const Vector3 from = place(edge.from), to = place(edge.to), turn = cross(from, to);
-            for (const int f : {edge.left, edge.right}) {
-                const Vector3 third = place(anchors[f]);
-                const double volume = f == edge.left ? dot(turn, third) : -dot(turn, third);
-                sum += volume;
-                for (std::size_t k = 0; k < 3; ++k) moment[k] += volume * (from[k] + to[k] + third[k]);
-            }
-        }
+        for_sides([&](int first, int second, int f) {
+            const Vector3 from = place(first), to = place(second), third = place(anchors[f]);
+            const double volume = dot(cross(from, to), third);
+            sum += volume;
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += volume * (from[k] + to[k] + third[k]);
+        });
         for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = origin[k] + moment[k] / (4 * sum);
     }
     out.volume = out.surface = out.error = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
-        const double inverse = 1 / p_.length[at(f)];
+        const double inverse = p_.inverse[at(f)];
         areas[f] *= 0.5 * inverse;
         out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * inverse / 3;  // corners have more digits than d
         out.surface += areas[f];

@@ -44,6 +44,7 @@ public:
     };
     using Corner = PlaneCorner;
     using Edge = PlaneEdge;
+    using Fan = PlaneFan;
     struct Name {
         std::int32_t id;
         exact::Shift shift;
@@ -75,14 +76,6 @@ public:
     // or lengths are scaled.
     [[nodiscard]] bool add_seeds(std::span<const std::int32_t> ids);
 
-    // The polygons around a corner, if they are closed: the one in plane(k), seen from outside, comes from the corner
-    // after(k - 1), in the sense of (0, 1, 2), and goes to after(k).
-    struct Fan {
-        std::array<std::uint64_t, 4>
-            sides;  // plane, corner before, corner after, in 16 bits each; the last one is unused
-        [[nodiscard]] int plane(std::size_t k) const { return static_cast<int>(sides[k] & 0xffff); }
-        [[nodiscard]] int after(std::size_t k) const { return static_cast<int>(sides[k] >> 32); }
-    };
     // Names the corners of polygons, one for each plane: polygon f has the vertices offsets[f] to offsets[f + 1], from
     // vertices[0] on. listed: all vertices, ascending; empty if there is no such list. Returns false unless there are
     // three polygons around each corner, and each edge belongs to two, in opposite directions.
@@ -106,7 +99,7 @@ public:
         return slack > bound || (!(slack < -bound) && is_exactly_inside(corner, plane));
     }
     [[nodiscard]] bool is_surely_inside(int corner, const RoundedPlane& plane) const;
-    // Makes edges and faces of fans, whose corners have places.
+    // All planes have faces, and fans stand for the edges. Their corners have places.
     void take_fans();
     // Takes the corners from polygons, as above. Returns false unless sure signs show that these are the polygons of
     // the faces, with three faces at each corner: each runs once around its face, counterclockwise seen from outside.
@@ -133,7 +126,9 @@ public:
     [[nodiscard]] std::span<const Name> names() const { return names_; }
     [[nodiscard]] const PlaneArrays& arrays() const { return p_; }
     [[nodiscard]] std::span<const Corner> corners() const { return corners_; }
+    // Empty if fans stand for them.
     [[nodiscard]] std::span<const Edge> edges() const { return edges_; }
+    [[nodiscard]] std::size_t edge_count() const { return edges_.empty() ? 3 * fans_.size() / 2 : edges_.size(); }
     // Whether a face of the polytope lies in the plane.
     [[nodiscard]] bool has_face(int plane) const { return faces_[at(plane)] != 0; }
     // Returns all planes through a corner.
@@ -142,8 +137,8 @@ public:
     }
     // Returns the outward normal of a plane, of length 1.
     [[nodiscard]] Vector3 unit_normal(int plane) const {
-        const double length = p_.length[at(plane)];
-        return {p_.nx[at(plane)] / length, p_.ny[at(plane)] / length, p_.nz[at(plane)] / length};
+        const double inverse = p_.inverse[at(plane)];
+        return {p_.nx[at(plane)] * inverse, p_.ny[at(plane)] * inverse, p_.nz[at(plane)] * inverse};
     }
     // The planes of Shape::repeated.
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
@@ -166,10 +161,15 @@ public:
         const double most = plane.length * reach;
         return plane.d - most > 0x1p-40 * (most + plane.size);
     }
+    // Whether a rounded place surely lies outside of a plane. length: of the place.
+    [[nodiscard]] bool is_surely_outside(const Vector3& place, double length, int plane) const {
+        const RoundedPlane p{normal(plane), p_.d[at(plane)], p_.length[at(plane)], p_.size[at(plane)]};
+        return dot(p.n, place) - p.d > doubt_of(p, length);
+    }
     // Whether all corners surely lie inside the plane and not on it. reach: as above.
     [[nodiscard]] bool is_beyond(const RoundedPlane& plane, double reach) const;
 
-    static constexpr double sharp = 0x1p-40;
+    static constexpr double sharp = 0x1p-36;
     // Makes places of corners exact to rounding, where they may err by more than this part of their distance.
     void sharpen(double relative_error);
     void sharpen_corner(int corner, double relative_error) { sharpen(corners_[at(corner)], relative_error); }
@@ -191,6 +191,8 @@ private:
     [[nodiscard]] int place(int a, int b, int c, Corner& corner, std::vector<int>& through);
     [[nodiscard]] bool start_at(const std::array<int, 3>& guess);
     [[nodiscard]] bool find_start();
+    template <class Visit>
+    void for_sides(const Visit& visit) const;
     [[nodiscard]] int orientation(int a, int b, int c);
     [[nodiscard]] int end_of_edge(int from, int a, int b, int sign);
     [[nodiscard]] Shape find_faces();
@@ -233,6 +235,7 @@ private:
     // Whether an entry is that of another vertex. off: of the entry from the wanted vertex and turn.
     static bool is_other(std::uint64_t off) { return static_cast<std::uint32_t>(off) < turn_unit && off >= turn_unit; }
     std::vector<std::uint16_t> slots_;     // corners by place in the polygons
+    std::vector<std::uint16_t> sides_;     // by place: its polygon, and the corners before and after it there
     std::vector<std::uint16_t> used_;      // sides of each corner
     std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
     std::vector<int> crowded_;             // corners of many planes, which exact signs find slowly

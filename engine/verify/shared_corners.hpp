@@ -65,7 +65,7 @@ struct SeenNormal {
                                              Vector3{-0.7129384012837465, 0.2918374650192837, 0.6374829103847561},
                                              Vector3{0.2219384756102938, 0.9411029384756102, -0.2549182736450192}};
     const Vector3 &first = vectors[2 * direction], &second = vectors[2 * direction + 1];
-    const double inverse = 1 / p.length[f];
+    const double inverse = p.inverse[f];
     return {(p.nx[f] * first[0] + p.ny[f] * first[1] + p.nz[f] * first[2]) * inverse,
             (p.nx[f] * second[0] + p.ny[f] * second[1] + p.nz[f] * second[2]) * inverse};
 }
