@@ -151,20 +151,13 @@ private:
     }
     // Returns an upper bound on the squared security radius of a vertex of squared length x2: of (2 |X|)^2.
     [[nodiscard]] double reach_squared(double x2, const Third& third) const {
-        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : 4 * max_distance_squared(x2, third);
+        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : 4 * bounds::max_square(x2, third.length2, 1);
     }
     // Returns the square of `length` in star_bounds.hpp, for a vertex of squared length x2.
     [[nodiscard]] double error_length2(const Line& line, const Third& third, double x2) const {
         if (plain_ || !weighted_) return x2;
-        const double length =
-            std::sqrt(x2) + 0.25 * (std::sqrt(std::max(line.longest2, third.square)) + tilt_length_ * scale_);
-        return length * length;
-    }
-    // Returns an upper bound of |X|^2 of a vertex, up to a factor of 1 + 4 margin.
-    [[nodiscard]] double max_distance_squared(double x2, const Third& third) const {
-        if (!weighted_) return x2;
-        const double most = bounds::max_distance(std::sqrt(x2), std::sqrt(third.length2));
-        return most * most;
+        const double tilt = tilt_length_ * scale_;
+        return bounds::weighted_length2(x2, std::max(line.longest2, third.square), tilt * tilt);
     }
     // Returns the square of the length of a vertex by the inverse of the metric of a bent window.
     [[nodiscard]] double bent_square(const Four& x) const {
@@ -177,8 +170,7 @@ private:
     }
     // The same as reach_squared(), by that length.
     [[nodiscard]] double bent_reach_squared(double square, const Third& third) const {
-        const double most = std::sqrt(square) + bent_.longest_inverse * 2 * margin * std::sqrt(third.length2);
-        return 4 * most * most;
+        return 4 * bounds::max_square(square, third.length2, bent_.longest_inverse * bent_.longest_inverse);
     }
     // Converts a distance in window units to one between places. size: their largest coordinate, which is rounded.
     [[nodiscard]] double in_places(double distance, double size) const {
