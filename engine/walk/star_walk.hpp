@@ -314,7 +314,7 @@ private:
     [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
-    [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known);
+    [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known) const;
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, const Four& vertex, const std::int32_t* three,
                                       int& added);
     template <class Visit>
@@ -454,13 +454,7 @@ private:
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::max_nodes> nodes_;
-    struct NearNode {
-        double square;  // of the distance
-        std::int32_t level;
-        std::uint32_t index;
-    };
-    std::vector<NearNode> near_nodes_;  // scratch of group_near()
-    struct Pending {                    // blocks of a level
+    struct Pending {  // blocks of a level
         int count;
         std::uint32_t at[max_found];
     };
