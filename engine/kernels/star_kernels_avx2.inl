@@ -209,11 +209,18 @@ struct Avx2 {
         return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<const __m256d&>(m)));
     }
 
+    template <bool Place, bool Nearest>
+    VOTESS_AVX2 [[gnu::noinline]] static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
+                                                               const HeavierTest& test) {
+        Long4 near[2];
+        near_heavier_boxes<Place, Nearest>(b, w, home, test, near);
+        return bits(near[0]) | bits(near[1]) << 4;
+    }
     VOTESS_AVX2 static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home,
                                              const HeavierTest& test) {
-        Long4 near[2];
-        near_heavier_boxes(b, w, home, test, near);
-        return bits(near[0]) | bits(near[1]) << 4;
+        if (test.nearest > 0) return heavier_bits<false, true>(b, w, home, test);
+        return home.lower == home.upper ? heavier_bits<true, false>(b, w, home, test)
+                                        : heavier_bits<false, false>(b, w, home, test);
     }
 
     VOTESS_AVX2 static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const WeightTilt& t,
@@ -283,6 +290,7 @@ struct Avx2 {
                                         std::int32_t* ids, [[maybe_unused]] float* residual) {
         const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
         const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        const HeavierTest test(Weighted ? *frame.tilt : WeightTilt{}, frame.length, 0, 0);
         int count = 0;
         for (std::size_t g = 0; g < from.groups.size(); ++g) {
             const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
@@ -303,14 +311,13 @@ struct Avx2 {
                 }
                 if constexpr (Weighted) {
                     const Lanes weight = _mm256_loadu_pd(from.weights + seed + 4 * half);
-                    Lanes r, size;
-                    residuals(x, weight, *frame.tilt, r, size);
-                    const Lanes excess = r - frame.tilt->least + residual_slack * size;
+                    Lanes r;
+                    residuals(x, weight, *frame.tilt, r);
                     Long4 within;
                     if constexpr (std::is_same_v<Frame, BentFrame>)
                         near_bent_seeds(x, weight, frame, within);
                     else
-                        within_length(Lanes(sum), excess, frame.length, 0, within);
+                        heavier_seeds(Lanes(sum), r, *frame.tilt, test, within);
                     inside |= bits(within) << (4 * half);
                     rest[half] = _mm256_cvtpd_ps(r * (frame.scale * frame.scale));
                 } else {

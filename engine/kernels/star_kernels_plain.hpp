@@ -91,16 +91,16 @@ VOTESS_INLINE void absolute(const Double4& v, Double4& out) {
     std::memcpy(&out, &bits, sizeof out);
 }
 
-// Squares of areas below it may have underflowed. Seeds that near count as near.
-constexpr double smallest_fourth_power = 1e-280, smallest_area = 1e-140;
-
-// The test of near_heavier() for four seeds or boxes. gaps2: D^2.
-VOTESS_INLINE void within_length(const Double4& gaps2, const Double4& excess, double length, double square,
-                                 Long4& out) {
-    const Double4 sure = gaps2 * (1 - 1e-12), lighter = sure - (excess <= 0 ? Double4{} : excess) - square;
-    // An excess that is NaN proves nothing. Missing boxes and padding are infinitely far away.
-    out = (gaps2 < std::numeric_limits<double>::infinity()) &
-          (~(lighter > 0) | (lighter * lighter < 4 * length * length * gaps2 + smallest_fourth_power));
+// The test of near_heavier() for four seeds. gaps2: D^2. rest: their residuals.
+VOTESS_INLINE void heavier_seeds(const Double4& gaps2, const Double4& rest, const WeightTilt& tilt,
+                                 const HeavierTest& test, Long4& out) {
+    using Lanes = Double4;
+    Lanes size;
+    absolute(rest, size);
+    const Long4 far =
+        test.share * gaps2 * (1 - 1e-12) - (rest - tilt.least) - residual_slack * size > Lanes{} + test.limit;
+    // Padding is infinitely far away. An excess that is NaN proves nothing.
+    out = (gaps2 < std::numeric_limits<double>::infinity()) & ~far;
 }
 
 // Returns the square roots.
@@ -129,9 +129,9 @@ VOTESS_INLINE void heavier_boxes(const BoxBlock& b, const WeightBlock& w, const 
         x = x < upper ? x : upper;
         Lanes gap = x - home.lower[k];
         if constexpr (!Place) {
-            const Lanes above = x - home.upper[k], below = -gap;
+            const Lanes above = x - home.upper[k], below = home.lower[k] - x, none{};
             gap = above > below ? above : below;
-            gap = gap > 0 ? gap : Lanes{};
+            gap = gap > none ? gap : none;
         }
         gaps2 += gap * gap;
         excess += apart * x;
@@ -165,20 +165,14 @@ VOTESS_INLINE double heavier_boxes(const BoxBlock& b, const WeightBlock& w, cons
 }
 
 // Writes -1 for boxes that pass the test of near_heavier(), 0 for others.
+template <bool Place, bool Nearest>
 VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
                                       Long4 (&out)[2]) {
     constexpr double much = 4;  // heavier, where another `far` excludes more
     out[0] = out[1] = Long4{} - 1;
-    if (test.nearest > 0) {
-        (void)heavier_boxes<false, true>(b, w, home, test, out);
-        return;
-    }
-    if (home.lower == home.upper) {
-        (void)heavier_boxes<true, false>(b, w, home, test, out);
-        return;
-    }
     const double square = test.square + test.length * test.length;
-    const double excess = heavier_boxes<false, false>(b, w, home, test, out);
+    const double excess = heavier_boxes<Place, Nearest>(b, w, home, test, out);
+    if constexpr (Place || Nearest) return;
     if (!(excess > much * square && excess < std::numeric_limits<double>::infinity())) return;
     HeavierTest heavier = test;
     heavier.set_far(test.length + std::sqrt(square + excess));
@@ -275,17 +269,9 @@ VOTESS_INLINE void near_bent_seeds(const Double4 (&x)[3], const Double4& weight,
 }
 
 // The residuals of four seeds, rounded.
-VOTESS_INLINE void residuals(const Double4 (&x)[3], const Double4& weight, const WeightTilt& t, Double4& out,
-                             Double4& size) {
+VOTESS_INLINE void residuals(const Double4 (&x)[3], const Double4& weight, const WeightTilt& t, Double4& out) {
     out = weight - t.base;
-    absolute(out, size);
-    for (int k = 0; k < 3; ++k) {
-        const Double4 by = t.slope[k] * (x[k] - t.origin[k]);
-        Double4 length;
-        absolute(by, length);
-        out -= by;
-        size += length;
-    }
+    for (int k = 0; k < 3; ++k) out -= t.slope[k] * (x[k] - t.origin[k]);
 }
 
 struct Baseline {
@@ -308,10 +294,18 @@ struct Baseline {
         return static_cast<unsigned>((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
     }
 
-    static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test) {
+    // Each case is a function by itself: compilers compute the constants of all cases before they branch.
+    template <bool Place, bool Nearest>
+    [[gnu::noinline]] static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
+                                                   const HeavierTest& test) {
         Long4 near[2];
-        near_heavier_boxes(b, w, home, test, near);
+        near_heavier_boxes<Place, Nearest>(b, w, home, test, near);
         return bits(near[0]) | bits(near[1]) << 4;
+    }
+    static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test) {
+        if (test.nearest > 0) return heavier_bits<false, true>(b, w, home, test);
+        return home.lower == home.upper ? heavier_bits<true, false>(b, w, home, test)
+                                        : heavier_bits<false, false>(b, w, home, test);
     }
 
     static unsigned near_bent(const BoxBlock& b, const WeightBlock& w, const WeightTilt& t, const WeightBend& bend,
@@ -369,6 +363,7 @@ struct Baseline {
     static int write_window(const GroupSource& from, const Frame& frame, std::int32_t* const* out, std::int32_t* ids,
                             [[maybe_unused]] float* residual) {
         constexpr double range = window_range;
+        const HeavierTest test(Weighted ? *frame.tilt : WeightTilt{}, frame.length, 0, 0);
         int count = 0;
         for (std::size_t g = 0; g < from.groups.size(); ++g) {
             const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
@@ -389,16 +384,16 @@ struct Baseline {
             float rest[box_fan];
             if constexpr (Weighted) {
                 for (int i = 0; i < box_fan; i += 4) {
-                    Lanes x[3], weight, gaps2, r, size;
+                    Lanes x[3], weight, gaps2, r;
                     std::memcpy(&gaps2, sum + i, sizeof gaps2);
                     std::memcpy(&weight, from.weights + seed + i, sizeof weight);
                     for (int k = 0; k < 3; ++k) std::memcpy(&x[k], from.seeds[k] + seed + i, sizeof x[k]);
-                    residuals(x, weight, *frame.tilt, r, size);
+                    residuals(x, weight, *frame.tilt, r);
                     Long4 within;
                     if constexpr (std::is_same_v<Frame, BentFrame>)
                         near_bent_seeds(x, weight, frame, within);
                     else
-                        within_length(gaps2, r - frame.tilt->least + residual_slack * size, frame.length, 0, within);
+                        heavier_seeds(gaps2, r, *frame.tilt, test, within);
                     inside |= bits(within) << i;
                     for (int k = 0; k < 4; ++k) rest[i + k] = static_cast<float>(r[k] * (frame.scale * frame.scale));
                 }

@@ -18,7 +18,7 @@
 // over |n| times cond. Three planes, with L the longest normal, add u cond (18 L + 9 |X| + 21 |a|); 15 u |X| of the 62
 // were for h already. Hence
 //     |x - X| <= 100 u cond (|X| + (L + |a|) / 4)    with weights.
-// cond is at most 10^6. `length` is |x| without weights and |x| + (L + |a|) / 4 with them. Then
+// cond is at most 10^6. `length` is |x| without weights, and |x| + (L + |a|) / 4 or more with them. Then
 //     |x - X| <= 0.6 margin length.                                                                            (1)
 #pragma once
 
@@ -37,6 +37,17 @@ static_assert(weighted_factor * worst_condition < 0.58 * margin);
 // Returns an upper bound of |X|, by (1).
 inline double max_distance(double x, double length) {
     return x + 2 * margin * length;
+}
+
+// Returns the square of `length` with weights, or more: (a + b)^2 <= 2 a^2 + 2 b^2.
+inline double weighted_length2(double x2, double longest2, double tilt2) {
+    return 2 * x2 + 0.25 * (longest2 + tilt2);
+}
+
+// Returns an upper bound of |X|^2, by (1). factor: 1, or if x2 and |X| are lengths by another metric, the largest
+// square of such a length of a vector of length 1.
+inline double max_square(double x2, double length2, double factor) {
+    return x2 + 2 * margin * (x2 + 1.01 * factor * length2);
 }
 
 // Returns an upper bound of the distance from x to a seed that cuts X off, without weights: |X| and the step to x.

@@ -151,20 +151,13 @@ private:
     }
     // Returns an upper bound on the squared security radius of a vertex of squared length x2: of (2 |X|)^2.
     [[nodiscard]] double reach_squared(double x2, const Third& third) const {
-        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : 4 * max_distance_squared(x2, third);
+        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : 4 * bounds::max_square(x2, third.length2, 1);
     }
     // Returns the square of `length` in star_bounds.hpp, for a vertex of squared length x2.
     [[nodiscard]] double error_length2(const Line& line, const Third& third, double x2) const {
         if (plain_ || !weighted_) return x2;
-        const double length =
-            std::sqrt(x2) + 0.25 * (std::sqrt(std::max(line.longest2, third.square)) + tilt_length_ * scale_);
-        return length * length;
-    }
-    // Returns an upper bound of |X|^2 of a vertex, up to a factor of 1 + 4 margin.
-    [[nodiscard]] double max_distance_squared(double x2, const Third& third) const {
-        if (!weighted_) return x2;
-        const double most = bounds::max_distance(std::sqrt(x2), std::sqrt(third.length2));
-        return most * most;
+        const double tilt = tilt_length_ * scale_;
+        return bounds::weighted_length2(x2, std::max(line.longest2, third.square), tilt * tilt);
     }
     // Returns the square of the length of a vertex by the inverse of the metric of a bent window.
     [[nodiscard]] double bent_square(const Four& x) const {
@@ -177,8 +170,7 @@ private:
     }
     // The same as reach_squared(), by that length.
     [[nodiscard]] double bent_reach_squared(double square, const Third& third) const {
-        const double most = std::sqrt(square) + bent_.longest_inverse * 2 * margin * std::sqrt(third.length2);
-        return 4 * most * most;
+        return 4 * bounds::max_square(square, third.length2, bent_.longest_inverse * bent_.longest_inverse);
     }
     // Converts a distance in window units to one between places. size: their largest coordinate, which is rounded.
     [[nodiscard]] double in_places(double distance, double size) const {
@@ -322,7 +314,7 @@ private:
     [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
-    [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known);
+    [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known) const;
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, const Four& vertex, const std::int32_t* three,
                                       int& added);
     template <class Visit>
@@ -462,13 +454,7 @@ private:
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::max_nodes> nodes_;
-    struct NearNode {
-        double square;  // of the distance
-        std::int32_t level;
-        std::uint32_t index;
-    };
-    std::vector<NearNode> near_nodes_;  // scratch of group_near()
-    struct Pending {                    // blocks of a level
+    struct Pending {  // blocks of a level
         int count;
         std::uint32_t at[max_found];
     };

@@ -836,10 +836,10 @@ void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
     }
 }
 
-// Returns the group whose box is the nearest to a vertex, or no_group if that is too far away for numbers. Returns
-// `known`, unless it is no_group, where no other box is nearer.
+// Returns a group whose box is near a vertex: the nearest box of each level leads to the next. Returns no_group if that
+// is too far away for numbers, and `known`, unless it is no_group, where its box is as near.
 template <class Isa>
-std::uint32_t StarWalk<Isa>::group_near(const Four& x, std::uint32_t known) {
+std::uint32_t StarWalk<Isa>::group_near(const Four& x, std::uint32_t known) const {
     const auto squares_to = [&](int level, std::uint32_t node) {
         const BoxBlock& boxes = hierarchy_.block(level, node);
         std::array<double, box_fan> squares{};
@@ -853,30 +853,16 @@ std::uint32_t StarWalk<Isa>::group_near(const Four& x, std::uint32_t known) {
         }
         return squares;
     };
-    std::uint32_t nearest = known;
-    double least =
-        known == no_group ? std::numeric_limits<double>::infinity() : squares_to(0, known / box_fan)[known % box_fan];
-    near_nodes_.assign(1, {0, std::max(0, hierarchy_.top_level() - 1) + 1, 0});
-    while (!near_nodes_.empty()) {
-        const auto [square, level, node] = near_nodes_.back();
-        near_nodes_.pop_back();
-        if (!(square < least)) continue;
-        if (level == 0) {
-            nearest = node;
-            least = square;
-            continue;
-        }
-        const std::array<double, box_fan> squares = squares_to(level - 1, node);
-        // The nearest child is next.
-        std::size_t last = near_nodes_.size();
-        for (std::uint32_t child = 0; child < box_fan; ++child) {
-            if (!(squares[child] < least)) continue;
-            near_nodes_.push_back({squares[child], level - 1, node * box_fan + child});
-            if (squares[child] < near_nodes_[last].square) last = near_nodes_.size() - 1;
-        }
-        if (last < near_nodes_.size()) std::swap(near_nodes_[last], near_nodes_.back());
+    std::uint32_t node = 0;
+    double square = infinity;
+    for (int level = std::max(0, hierarchy_.top_level() - 1); level >= 0; --level) {
+        const std::array<double, box_fan> squares = squares_to(level, node);
+        const auto nearest = std::ranges::min_element(squares);
+        square = *nearest;
+        if (!(square < infinity)) return known;
+        node = node * box_fan + static_cast<std::uint32_t>(nearest - squares.begin());
     }
-    return nearest;
+    return known != no_group && squares_to(0, known / box_fan)[known % box_fan] <= square ? known : node;
 }
 
 // Adds seeds beyond the candidates that may lie in the ball around the vertex, which shrinks with each.

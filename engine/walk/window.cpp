@@ -114,12 +114,19 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
         extent = std::max(extent, box.upper[k] - box.lower[k]);
     }
     extent = 0.5 * extent + radius;
-    if (tilt != nullptr)  // heavy seeds farther away
+    if (tilt != nullptr) {  // heavy seeds farther away
+        Box all = box;
         for (std::size_t i = 0; i < group_count_; ++i) {
-            const Box seeds = hierarchy_.box(0, groups_[i]);
-            for (std::size_t k = 0; k < 3; ++k)
-                extent = std::max({extent, origin_[k] - seeds.lower[k], seeds.upper[k] - origin_[k]});
+            const BoxBlock& boxes = hierarchy_.block(0, groups_[i] / box_fan);
+            const std::size_t lane = groups_[i] % box_fan;
+            for (std::size_t k = 0; k < 3; ++k) {
+                all.lower[k] = std::min(all.lower[k], boxes.lower[k][lane]);
+                all.upper[k] = std::max(all.upper[k], boxes.upper[k][lane]);
+            }
         }
+        for (std::size_t k = 0; k < 3; ++k)
+            extent = std::max({extent, origin_[k] - all.lower[k], all.upper[k] - origin_[k]});
+    }
     extent_ = extent;
     if (!(extent > smallest_extent && extent < 1 / smallest_extent)) return false;
     // Twice the extent, times the scale, is at most window_range * (1 - 2^-20), which covers the rounding of origin and
@@ -157,11 +164,11 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
             std::fill_n(weight_.begin() + static_cast<std::ptrdiff_t>(i * group_size + count), group_size - count,
                         weight);
         }
+        std::fill_n(weight_.begin() + count_, 16, weight);
     };
     set_padding(0);
     const bool spanned = find_span();
     set_padding(no_weight);
-    std::fill_n(weight_.begin() + count_, 16, no_weight);
     return spanned;
 }
 
@@ -172,11 +179,16 @@ std::array<std::int32_t, 3> Window::position(const std::array<double, 3>& x) con
 }
 
 bool Window::find_span() {
-    min_weight_ = max_weight_ = 0;
-    for (int i = 0; i < count_; ++i) {
-        min_weight_ = std::min(min_weight_, weight_[i]);
-        max_weight_ = std::max(max_weight_, weight_[i]);
-    }
+    constexpr int lanes = 8;  // in vectors
+    float least[lanes] = {}, most[lanes] = {};
+    for (int i = 0; i < count_; i += lanes)
+        for (int k = 0; k < lanes; ++k) {
+            const float weight = weight_[i + k];
+            least[k] = weight < least[k] ? weight : least[k];
+            most[k] = weight > most[k] ? weight : most[k];
+        }
+    min_weight_ = *std::min_element(least, least + lanes);
+    max_weight_ = *std::max_element(most, most + lanes);
     return double{max_weight_} - min_weight_ < widest_span;
 }
 

@@ -85,6 +85,14 @@ TEST_SUITE("stages") {
             const mpq_class off = mpq_class(0.6 * bounds::margin) * mpq_class(length) * (random.chance(0.8) ? 1 : -1);
             const mpq_class exact = mpq_class(x) + off;
             CHECK(mpq_class(bounds::max_distance(x, length)) >= exact);
+            CHECK(mpq_class(bounds::max_square(x * x, length * length, 1)) >= exact * exact);
+            const double tilt = longest * random.uniform(), sum = x + (longest + tilt) / 4;
+            CHECK(bounds::weighted_length2(x * x, longest * longest, tilt * tilt) >=
+                  sum * sum * (1 - 4 * bounds::unit));
+            // By a metric in which vectors are up to so much longer.
+            const double longer = decades(random, -2, 2);
+            const mpq_class by_metric = mpq_class(x) + abs(off) * mpq_class(longer);
+            CHECK(mpq_class(bounds::max_square(x * x, length * length, longer * longer)) >= by_metric * by_metric);
             double more = x * x * decades(random, -12, 12);
             if (random.chance(0.6)) more = -x * x * (1 - decades(random, -17, 0));
             const mpq_class square = exact * exact + mpq_class(more);
