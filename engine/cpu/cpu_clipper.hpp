@@ -1,6 +1,7 @@
 // Clips cells on the CPU: all of them for the CPU engine, or some for another engine.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -57,7 +58,10 @@ public:
     // Whether cells need the points, for the rounding errors of wrapped coordinates.
     [[nodiscard]] bool reads_points() const { return seeds_.images != nullptr && images_.any_wrapped(); }
     // Whether all points of the job are sorted seeds.
-    [[nodiscard]] bool all_differ() const { return seeds_.size() == job_.points.count(); }
+    [[nodiscard]] bool all_differ() const {
+        return seeds_.size() + static_cast<std::size_t>(std::ranges::count(job_.outside, CellStatus::outside)) ==
+               job_.points.count();
+    }
     [[nodiscard]] const SortedSeeds& sorted() const { return seeds_; }
     // Replaces clip_all(): tests the kept cells and makes those that do not hold. Returns false if that would not pay
     // or the seeds are not like those of the last call; the result must then begin again. ready() is called before

@@ -43,17 +43,18 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
 // Rows of cells with the faces of the last call are copied, but not values of their faces.
 void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& share) {
     const std::size_t count = seeds_.size(), tasks = ceil_div(count, kept_block);
+    const std::size_t points = job_.points.count(), row_tasks = ceil_div(points, kept_block);
     const Want& want = job_.want;
-    const bool copies = want.neighbors && kept.rows().are_of(count, job_.list_walls);
-    std::vector<std::uint32_t> lengths(want.neighbors ? count : 0);  // of kept rows, in input order
-    std::vector<std::uint8_t> copied(copies ? count : 0);            // so, too
+    const bool copies = want.neighbors && kept.rows().are_of(points, job_.list_walls);
+    std::vector<std::uint32_t> lengths(want.neighbors ? points : 0);  // of kept rows, in input order
+    std::vector<std::uint8_t> copied(copies ? points : 0);            // so, too
     const bool by_cell = needs_geometry(want) || want.counts || want.normals;
     const auto needs_row = [&](std::size_t s) { return want.neighbors && !(copies && kept.has_same_faces(s)); };
     std::atomic<std::size_t> all_faces = 0, all_kept = 0, all_hidden = 0, new_rows = 0;
     begin_workers(out);
     const Stoppable stoppable(progress_, share);
-    pool_->run(copies ? tasks : 0, [&](std::size_t task, unsigned) {
-        for (std::size_t i = task * kept_block; i < std::min(count, (task + 1) * kept_block); ++i) {
+    pool_->run(copies ? row_tasks : 0, [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * kept_block; i < std::min(points, (task + 1) * kept_block); ++i) {
             lengths[i] = kept.rows().length(i);
             copied[i] = 1;
         }
@@ -86,8 +87,8 @@ void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& sh
         new_rows += rows;
     });
     out.settle(lengths, *pool_);
-    pool_->run(copies ? tasks : 0, [&](std::size_t task, unsigned) {
-        const std::size_t last = std::min(count, (task + 1) * kept_block);
+    pool_->run(copies ? row_tasks : 0, [&](std::size_t task, unsigned) {
+        const std::size_t last = std::min(points, (task + 1) * kept_block);
         for (std::size_t begin = task * kept_block, end = begin; begin < last; begin = end) {
             while (end < last && copied[end] == copied[begin]) ++end;
             if (copied[begin] == 0) continue;

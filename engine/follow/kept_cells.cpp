@@ -26,6 +26,8 @@ constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
 constexpr double cost_of_hidden = 2;
 // Going on costs less than beginning.
 constexpr double gain_of_stored = 1.25;
+// So much of the limits counts where seeds cross walls, because matching takes a tenth of a fresh call.
+constexpr double share_of_matched = 0.5;
 // Power cells beside their seeds take several times as long to find.
 constexpr double max_wrong_beside = 0.7;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
@@ -50,6 +52,10 @@ std::vector<double> numbers_of(const Domain& domain) {
     return numbers;
 }
 
+bool is_seed(const Job& job, std::size_t row) {
+    return row < job.points.count() && (job.outside.empty() || job.outside[row] != CellStatus::outside);
+}
+
 double distance_from(const SignWall& wall, const double* x) {
     return wall.offset - (wall.n[0] * x[0] + wall.n[1] * x[1] + wall.n[2] * x[2]);
 }
@@ -60,8 +66,8 @@ bool KeptCells::follows(const Job& job) {
     const Domain& domain = *job.domain;
     // Vertices are where the first cell of a stretch finds them.
     const bool plain = !job.want.vertices && !job.only && !job.probes_of && job.row_order.empty();
-    return plain && job.outside.empty() && job.beyond.empty() && !domain.skewed &&
-           domain.walls.empty() == domain.facets.empty() && job.points.count() > 0;
+    return plain && job.beyond.empty() && !domain.skewed && domain.walls.empty() == domain.facets.empty() &&
+           job.points.count() > 0;
 }
 
 void KeptCells::clear() {
@@ -194,8 +200,12 @@ bool KeptCells::rows_change(const Job& job) const {
 
 // Renumbers the stored cells for the points of the job. Returns false, and changes nothing, if these are not like the
 // seeds of the last call, or are in the same rows.
-bool KeptCells::match(const Job& job) {
-    const auto matched = match_seeds({cells_, order_, frame_}, job.points.count(), [&](std::size_t row) {
+bool KeptCells::match(const Job& job, bool same_rows) {
+    if (count_ == 0) return false;
+    std::vector<std::int32_t> rows;
+    for (std::size_t row = 0; row < job.points.count(); ++row)
+        if (is_seed(job, row)) rows.push_back(static_cast<std::int32_t>(row));
+    const auto matched = match_seeds({cells_, order_, frame_}, rows, same_rows, [&](std::size_t row) {
         const SeedPlace at = place_of(job, row);
         return std::array{at.x[0], at.x[1], at.x[2]};
     });
@@ -252,7 +262,7 @@ bool KeptCells::match(const Job& job) {
     return true;
 }
 
-bool KeptCells::sample_pays(const Job& job) {
+bool KeptCells::sample_pays(const Job& job, double factor) {
     std::vector<std::pair<std::size_t, SeedPlace>> before;
     const auto place = [&](std::size_t s) {
         before.emplace_back(s, places_[s]);
@@ -304,7 +314,7 @@ bool KeptCells::sample_pays(const Job& job) {
     }
     for (std::size_t k = before.size(); k > 0; --k) places_[before[k - 1].first] = before[k - 1].second;
     refusals_ = static_cast<double>(wrong) > 2 * expected ? refusals_ + 1 : 0;
-    return cost <= expected;
+    return cost <= factor * expected;
 }
 
 KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
@@ -315,9 +325,14 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
     if (std::max(given.size(), given_.size()) > box_numbers && given != given_) return Plan::sample;
     set_frame(job);
     if (!(frame_.reach_squared > 0)) return Plan::none;
-    const bool others = job.points.count() != count_;
+    const auto outside = static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
+    const bool others = job.points.count() - outside != count_ || !std::ranges::all_of(order_, [&](std::int32_t row) {
+                            return is_seed(job, static_cast<std::size_t>(row));
+                        });
     if (complete_ && (others || rows_change(job))) {
-        if (!match(job) && others) return Plan::sample;
+        const bool cross = others && job.points.count() == points_;  // walls, where they are dropped
+        if (cross && !sample_pays(job, share_of_matched)) return Plan::sample;
+        if (!match(job, !others) && others) return Plan::sample;
     } else if (others) {
         return ++unmatched_ % unmatched_until_record == 0 ? Plan::record : Plan::sample;
     }
@@ -356,6 +371,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         worker.later.clear();
         worker.unmended.clear();
     }
+    points_ = job.points.count();
     auto given = numbers_of(*job.domain);
     settled = settled && given == given_;
     given_ = std::move(given);

@@ -22,8 +22,9 @@
 // Between equal seeds slopes would not fall, so no two kept cells have equal seeds. A cell with a tie is always
 // pending, and leaves its neighbors pending: only a search finds the other seeds of a tie.
 //
-// Where seeds come or go, those of the last call are found by their places (follow/match_seeds.hpp). A new seed has no
-// cell, and the cells next to one that has left count as tied. So both are pending.
+// Where seeds come or go, also across a wall that drops them, those of the last call are found by their places
+// (follow/match_seeds.hpp). A new seed has no cell, and the cells next to one that has left count as tied. So both are
+// pending.
 //
 // Corners need no test against the walls of other cells. A cell lies inside of its own walls. So the number of cells
 // over a place, 1 in the domain, does not grow where a line from there crosses a wall outward, and is 0 or 1 beyond. In
@@ -151,8 +152,9 @@ private:
     [[nodiscard]] bool meets_walls();
     [[nodiscard]] SeedPlace place_of(const Job& job, std::size_t row) const;
     [[nodiscard]] bool rows_change(const Job& job) const;
-    [[nodiscard]] bool match(const Job& job);
-    [[nodiscard]] bool sample_pays(const Job& job);
+    [[nodiscard]] bool match(const Job& job, bool same_rows);
+    // factor: of the usual limits.
+    [[nodiscard]] bool sample_pays(const Job& job, double factor = 1);
     [[nodiscard]] bool is_still(std::size_t seed) const {
         if (still_[seed] != (was_kept | has_stayed)) return false;
         if (all_stay_) return true;
@@ -186,6 +188,7 @@ private:
 
     bool complete_ = false, sampled_ = false;  // cells_ has all cells, or those of the sample
     std::size_t count_ = 0, made_ = 0;         // made_: since the sort
+    std::size_t points_ = 0;                   // of the last call, with those outside
     std::array<bool, 3> periodic_{};
     std::vector<double> given_;  // see numbers_of()
     std::vector<SignWall> walls_;

@@ -19,8 +19,10 @@ constexpr double near_share = 256;  // a point is near a seed if all others are 
 class SeedFinder {
 public:
     explicit SeedFinder(const KeptSeeds& before)
-        : before_(before), seed_of_(before.rows.size()), table_(std::bit_ceil(2 * seed_of_.size()), -1) {
-        const std::size_t count = seed_of_.size();
+        : before_(before),
+          seed_of_(static_cast<std::size_t>(std::ranges::max(before.rows)) + 1, -1),
+          table_(std::bit_ceil(2 * before.rows.size()), -1) {
+        const std::size_t count = before.rows.size();
         boxes_ = static_cast<std::size_t>(std::cbrt(static_cast<double>(count) / seeds_per_box)) + 1;
         Place upper;
         lower_.fill(std::numeric_limits<double>::infinity());
@@ -53,7 +55,7 @@ public:
     [[nodiscard]] Found in_rows(std::size_t row, const Place& x) const {
         Found found = nothing;
         for (std::size_t r = row; r < std::min(row + next_rows, seed_of_.size()); ++r)
-            meet(static_cast<std::size_t>(seed_of_[r]), x, found);
+            if (seed_of_[r] >= 0) meet(static_cast<std::size_t>(seed_of_[r]), x, found);
         return found;
     }
     // Looks for a seed at the place: a walk may miss those whose cells lie beside them.
@@ -112,7 +114,7 @@ private:
     }
 
     const KeptSeeds& before_;
-    std::vector<std::int32_t> seed_of_;  // by row
+    std::vector<std::int32_t> seed_of_;  // by row, or -1
     std::vector<std::int32_t> table_;    // seeds by hashes of their places; open addressing
     std::size_t boxes_ = 1;              // of a grid, along each axis
     Place lower_, per_length_;
@@ -121,13 +123,14 @@ private:
 
 }  // namespace
 
-std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t count,
+std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::span<const std::int32_t> rows, bool same_rows,
                                         const std::function<Place(std::size_t row)>& now) {
+    const std::size_t count = rows.size();
     SeedFinder finder(before);
     const std::size_t sample = std::min(count, max_tried);
     std::size_t near = 0, same = 0;
     for (std::size_t k = 0; k < sample; ++k) {
-        const std::size_t row = k * count / sample;
+        const auto row = static_cast<std::size_t>(rows[k * count / sample]);
         const Place x = now(row);
         SeedFinder::Found found = finder.at(x);
         if (!found.is_near()) found = finder.from(found, x);
@@ -135,7 +138,7 @@ std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t cou
         same += static_cast<std::size_t>(before.rows[found.seed]) == row ? 1 : 0;
     }
     if (8 * near < 7 * sample) return std::nullopt;
-    if (count == before.rows.size() && 16 * (sample - same) < sample) return std::nullopt;
+    if (same_rows && 16 * (sample - same) < sample) return std::nullopt;
 
     // The nearest point of each seed is the seed. All others are new.
     std::vector<std::int32_t> point(before.rows.size(), -1);
@@ -146,14 +149,15 @@ std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t cou
         auto operator<=>(const New&) const = default;
     };
     std::vector<New> added;
-    for (std::size_t row = 0, next = 0; row < count; ++row) {
-        const Place x = now(row);
+    std::size_t next_row = 0;
+    for (const std::int32_t row : rows) {
+        const Place x = now(static_cast<std::size_t>(row));
         SeedFinder::Found found = finder.at(x);
-        if (!found.is_near()) found = finder.in_rows(next, x);
+        if (!found.is_near()) found = finder.in_rows(next_row, x);
         if (!found.is_near()) found = finder.from(found, x);
-        next = static_cast<std::size_t>(before.rows[found.seed]) + 1;
+        next_row = static_cast<std::size_t>(before.rows[found.seed]) + 1;
         std::int32_t& nearest = point[found.seed];
-        auto farther = static_cast<std::int32_t>(row);
+        std::int32_t farther = row;
         if (nearest < 0 || found.away < away[found.seed]) {
             std::swap(nearest, farther);
             away[found.seed] = found.away;

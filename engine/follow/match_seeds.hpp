@@ -26,9 +26,10 @@ struct MatchedSeeds {
     std::vector<std::int32_t> number;  // by earlier seed: its place in `order`, or -1
 };
 
-// now: the places of `count` points in the domain. Returns none where a sample shows that points are not near seeds, or
-// that they are so in the same rows.
-[[nodiscard]] std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::size_t count,
+// rows: of the points in the domain. now: their places. same_rows: those of the earlier seeds. Returns none where a
+// sample shows that points are not near seeds, or that they are so in the same rows.
+[[nodiscard]] std::optional<MatchedSeeds> match_seeds(const KeptSeeds& before, std::span<const std::int32_t> rows,
+                                                      bool same_rows,
                                                       const std::function<std::array<double, 3>(std::size_t row)>& now);
 
 }  // namespace votess::cpu

@@ -317,6 +317,34 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("follow: seeds leave the domain, where they are dropped, and return") {
+        for (const bool walls : {false, true}) {
+            CAPTURE(walls);
+            Moving m(3000);
+            m.options.outside = votess::Outside::drop;
+            m.options.periodic = {!walls, false, !walls};
+            if (walls) m.options.walls = {{{1, 1, 0.5}, 2.2}, {{-1, 0.3, 0.2}, 0.2}};
+            for (double& x : m.points) x = 1.02 * x - 0.01;  // some are outside
+            CHECK(m.call() == 0);
+            CHECK(m.call() > 0.7);
+            const std::vector<double> first = m.points;
+            for (const double to : {1.5, 0.5}) {  // one leaves, one comes
+                for (std::size_t k = 0; k < 3; ++k) m.points[k] = to + 0.01 * static_cast<double>(k);
+                CHECK(m.call() > 0.7);
+                CHECK(m.call() > 0.7);
+            }
+            for (double& x : m.points) x += 1e-3 * m.spacing * m.random.uniform(-1, 1);
+            CHECK(m.call() > 0.6);
+            m.points = first;
+            CHECK(m.call() > 0.6);
+            for (double& x : m.points) x += 2;  // all, along axes that do not repeat
+            CHECK(m.call() == 0);
+            CHECK(m.call() == 0);
+            m.points = first;
+            CHECK(m.call() >= 0);
+        }
+    }
+
     TEST_CASE("follow: ties are proven at each call") {
         Moving m(1);
         m.points.clear();
