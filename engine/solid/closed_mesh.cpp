@@ -391,14 +391,11 @@ bool ClosedMesh::any_near(const exact::Point& x, double distance) const {
     bool found = false;
     for_each_in(around, [&](std::uint32_t t) {
         const Box& box = boxes_[t];
-        double square = 0, reach = 0;  // to the nearest and the farthest corner
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
-            square += gap * gap;
-            reach += std::max(std::abs(box.lower[k] - x[k]), std::abs(box.upper[k] - x[k]));
-        }
-        if (square > distance * distance * (1 + plane_rounding)) return true;
+        if (distance_squared(x, box) > distance * distance * (1 + plane_rounding)) return true;
         const Triangle& triangle = triangles_[t];
+        double reach = 0;  // to the farthest corner
+        for (std::size_t k = 0; k < 3; ++k)
+            reach += std::max(std::abs(box.lower[k] - x[k]), std::abs(box.upper[k] - x[k]));
         const double height = std::abs(dot(triangle.normal, x) - triangle.offset);
         if (height > distance + plane_rounding * (reach + std::abs(triangle.offset))) return true;
         found = true;

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "exact/integer/big_int.hpp"
 #include "exact/integer/rows.hpp"
 
@@ -130,7 +131,7 @@ bool ClippedTriangle::in_reach(const SeedTree::Node& node) const {
         double radius = radius_to(ball.radius, node);
         if (radius < 0) continue;
         radius += ball.error;
-        if (SeedTree::square_distance(box, ball.center) <= radius * radius * (1 + search_rounding)) return true;
+        if (distance_squared(ball.center, box) <= radius * radius * (1 + search_rounding)) return true;
     }
     return false;
 }

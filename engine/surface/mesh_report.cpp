@@ -8,6 +8,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/at.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
 #include "surface/nearest.hpp"
@@ -54,7 +55,7 @@ public:
 private:
     using Triangle = std::array<Vector3, 3>;
     struct Node {
-        Vector3 lower, upper;
+        Box box;
         std::size_t begin, end;  // triangles
         std::size_t second = 0;  // the second child, the first follows; 0 for a leaf
     };
@@ -63,16 +64,12 @@ private:
     void split(std::size_t begin, std::size_t end) {
         if (nodes_.size() % 1024 == 0) check_stop();
         const std::size_t node = nodes_.size();
-        Node made{triangles_[begin][0], triangles_[begin][0], begin, end};
+        Node made{empty_box, begin, end};
         for (std::size_t t = begin; t < end; ++t)
-            for (const Vector3& x : triangles_[t])
-                for (std::size_t k = 0; k < 3; ++k) {
-                    made.lower[k] = std::min(made.lower[k], x[k]);
-                    made.upper[k] = std::max(made.upper[k], x[k]);
-                }
+            for (const Vector3& x : triangles_[t]) include(made.box, x);
         nodes_.push_back(made);
         if (end - begin <= leaf_triangles) return;
-        const Vector3 size = minus(made.upper, made.lower);
+        const Vector3 size = minus(made.box.upper, made.box.lower);
         const auto axis = static_cast<std::size_t>(std::ranges::max_element(size) - size.begin());
         const auto sum = [axis](const Triangle& t) { return t[0][axis] + t[1][axis] + t[2][axis]; };
         const std::size_t half = begin + (end - begin) / 2;
@@ -85,7 +82,7 @@ private:
     }
 
     void search(std::size_t node, const Vector3& x, double enough, double& least) const {
-        if (least <= enough || distance_of_box(nodes_[node], x) >= least) return;
+        if (least <= enough || distance_squared(x, nodes_[node].box) >= least * least) return;
         const Node& of = nodes_[node];
         if (of.second == 0) {
             for (std::size_t t = of.begin; t < of.end; ++t) {
@@ -95,17 +92,9 @@ private:
             return;
         }
         std::size_t near = node + 1, far = of.second;
-        if (distance_of_box(nodes_[far], x) < distance_of_box(nodes_[near], x)) std::swap(near, far);
+        if (distance_squared(x, nodes_[far].box) < distance_squared(x, nodes_[near].box)) std::swap(near, far);
         search(near, x, enough, least);
         search(far, x, enough, least);
-    }
-    [[nodiscard]] static double distance_of_box(const Node& node, const Vector3& x) {
-        double square = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double gap = std::max({0.0, node.lower[k] - x[k], x[k] - node.upper[k]});
-            square += gap * gap;
-        }
-        return std::sqrt(square);
     }
 
     std::vector<Triangle> triangles_;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/at.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
 #include "index/sort.hpp"
@@ -56,7 +57,7 @@ void NearSeeds::collect(const Box& box, double distance, std::vector<std::uint32
     const auto skip = [&](const SeedTree::Node&) { return found.size() > max_listed; };
     tree_.visit(box, square, skip, [&](std::uint32_t k, std::uint32_t end) {
         for (; k < end; ++k)
-            if (SeedTree::square_distance(box, tree_.place(k)) <= square) found.push_back(k);
+            if (distance_squared(tree_.place(k), box) <= square) found.push_back(k);
     });
 }
 

@@ -83,15 +83,6 @@ public:
             for (; k < end; ++k) visit(k);
         });
     }
-    // Returns the square of the distance of a place from a box.
-    [[nodiscard]] static double square_distance(const Box& box, const exact::Point& x) {
-        double square = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
-            square += gap * gap;
-        }
-        return square;
-    }
 
 private:
     const SurfaceKernels& kernels_;

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/arithmetic.hpp"
+#include "core/box.hpp"
 
 namespace votess::surface {
 
@@ -215,7 +216,7 @@ bool TriangleCells::is_beyond_balls(const Box& box) const {
         const double error = 4 * (e.error[c] + 4 * solid::unit) * frame_.length;
         const double square =
             (e.square[c] + 2 * Envelope::value_errors * e.max_value_error) * (1 + 0x1p-40) + 0x1p41 * error * error;
-        if (SeedTree::square_distance(relative, x) <= square) return false;
+        if (distance_squared(x, relative) <= square) return false;
     }
     return true;
 }

@@ -74,9 +74,6 @@ private:
     [[gnu::always_inline]] static void turn(const Wide& a, Wide& out) {
         out = __builtin_shufflevector(a, a, 1, 2, 0, 3);
     }
-    [[gnu::always_inline]] static void turn_twice(const Wide& a, Wide& out) {
-        out = __builtin_shufflevector(a, a, 2, 0, 1, 3);
-    }
     [[gnu::always_inline]] static void cross(const Wide& a, const Wide& b, Wide& out) {
         Wide turned_a, turned_b;
         turn(a, turned_a);
