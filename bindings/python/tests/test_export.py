@@ -140,7 +140,7 @@ class Colors(unittest.TestCase):
     def test_refused(self):
         t = cells()
         for color, says in [
-            ("mass", "'mass'.*volumes"), (np.ones(3), r"\(3,\).*62"), (np.ones((62, 4)), r"\(62, 4\)"),
+            ("mass", "'mass'.*columns are .*volume"), (np.ones(3), r"\(3,\).*62"), (np.ones((62, 4)), r"\(62, 4\)"),
             (2.0 * np.ones((62, 3)), "0 to 1"), (np.full((62, 3), 7), "0 to 1"),
         ]:
             with self.assertRaisesRegex(ValueError, says):

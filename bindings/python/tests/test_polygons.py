@@ -290,7 +290,7 @@ class Polygons(unittest.TestCase):
         for mesh, message in (
             ((square, [(0, 1), (1, 2), (2, 3)]), "vertex 0 .* begins 1 edge more than it ends: give closed rings"),
             ((square, [(1, 0), (2, 1), (3, 2), (0, 3)]), "rings run clockwise.*reverse them"),
-            ((square, [(0, 1), (1, 0)]), "encloses no volume"),
+            ((square, [(0, 1), (1, 0)]), "enclose no area"),
             ((square, np.empty((0, 2), int)), "no edges: give closed rings"),
             (([(0, 0), (1, 0), (1, np.nan)], [(0, 1), (1, 2), (2, 0)]), "vertex 2: y = nan is not finite"),
         ):

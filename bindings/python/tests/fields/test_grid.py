@@ -44,7 +44,7 @@ class Input(unittest.TestCase):
             (r"shape is \(2, 2\)", ones, (2, 2), {}),
             ("method", ones, 2, {"method": "cic"}),
             ("project is 3", ones, 2, {"project": 3}),
-            ("columns", np.ones((10, 0)), 2, {}),
+            (r"values has shape \(10, 0\)", np.ones((10, 0)), 2, {}),
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 diagram.to_grid(values, shape, **options)
