@@ -114,8 +114,9 @@ def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
         name = column_of(t, color)
         if name in columns:
             return np.asarray(columns[name], np.float64), name.replace("_", " ")
-        if name in ARRAYS or any(name in names for names in ARRAYS.values()):
-            getattr(t, name)  # raises with the word for want, or the name of the array
+        array = next((key for key, of in TABLE.items() if of.column and column_of(t, key) == name), name)
+        if array in ARRAYS or any(array in names for names in ARRAYS.values()):
+            getattr(t, array)  # raises with the word for want, or the name of the array
         axes = "'x', 'y'" if t.planar else "'x', 'y', 'z'"
         raise ValueError(
             f"color is {color!r}: give 'volume', 'neighbors', 'area', {axes} or {len(t)} values; "
