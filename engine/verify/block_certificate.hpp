@@ -20,10 +20,10 @@
 namespace votess {
 
 // Rows of one block that another one needs: of cells that have neighbors there.
-struct BorderRows {
-    Seeds seeds;                      // of the cells and all seeds that they list; some repeat
-    std::vector<std::int64_t> cells;  // N ids
-    std::vector<std::uint32_t> sizes;  // N, of the rows
+struct VOTESS_API BorderRows {
+    Seeds seeds;                        // of the cells and all seeds that they list; some repeat
+    std::vector<std::int64_t> cells;    // N ids
+    std::vector<std::uint32_t> sizes;   // N, of the rows
     std::vector<std::int64_t> indices;  // ids, row after row, without walls
     std::vector<std::int8_t> shifts;    // three an entry; empty without periods
 
@@ -40,10 +40,10 @@ struct BorderRows {
 
 // What the blocks found so far.
 struct BlockProof {
-    Fault fault, unsettled;         // as in Certificate::Verdict
-    double volume = 0, doubt = 0;   // of all polytopes
-    Seeds open;                     // reported to have no cell; no cells near them in their block exclude them
-    bool certified = false;         // whether there is a cell
+    Fault fault, unsettled;        // as in Certificate::Verdict
+    double volume = 0, doubt = 0;  // of all polytopes
+    Seeds open;                    // reported to have no cell; no cells near them in their block exclude them
+    bool certified = false;        // whether there is a cell
     static auto parts(auto& p) { return std::tie(p.fault, p.unsettled, p.volume, p.doubt, p.open, p.certified); }
 
     void merge(BlockProof other);

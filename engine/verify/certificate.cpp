@@ -552,8 +552,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     const auto compare = [&](const char* what, double given, double found, double allowed) {
         if (given == found || std::abs(given - found) <= allowed + 64 * smallest_double) return;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
-            return "cell " + text_of(i) + " has " + what + " " + number(given) + ", its faces give " +
-                   number(found);
+            return "cell " + text_of(i) + " has " + what + " " + number(given) + ", its faces give " + number(found);
         });
     };
     if (!numbers_.volumes.empty())
@@ -913,10 +912,9 @@ void Certificate::add_names(Worker& w, std::size_t i) {
 // Returns whether the corner is in general position, between walls and cells to prove.
 bool Certificate::is_named(const RowPolytope& polytope, int corner) const {
     const std::span<const int> through = polytope.through(corner);
-    return through.size() == 3 &&
-           (part_.ids.empty() || std::ranges::all_of(through, [&](int f) {
-                return polytope.name(f).id < 0 || at(polytope.name(f).id) < count_;
-            }));
+    return through.size() == 3 && (part_.ids.empty() || std::ranges::all_of(through, [&](int f) {
+                                       return polytope.name(f).id < 0 || at(polytope.name(f).id) < count_;
+                                   }));
 }
 
 void Certificate::add_name(Worker& w, int corner) {
@@ -1149,8 +1147,7 @@ void Certificate::check_volume(Worker& sum) {
         return unsettle(sum, 0, "has no cell, nor has any other");
     if (!has(CellStatus::certified)) return;
     const Cover cover = cover_of(sum.volume, sum.doubt, domain);
-    if (cover == Cover::unknown && !is_covered_once())
-        sum.unsettled.note(0, [] { return std::string(no_volume); });
+    if (cover == Cover::unknown && !is_covered_once()) sum.unsettled.note(0, [] { return std::string(no_volume); });
     if (cover == Cover::more) sum.fault.note(-1, [&] { return text_of_cover(sum.volume, domain); });
 }
 

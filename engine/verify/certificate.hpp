@@ -34,8 +34,8 @@
 // corner. Otherwise RowPolytope::wrap_polygons() proves each corner by the signs above, and cells with more than three
 // planes at a corner are found from the planes alone.
 //
-// A part of a diagram, as a block has it, proves some of its cells so, see block_certificate.hpp. Where a corner touches
-// others, each neighbor around it is asked in exact signs, as at corners where more than three planes meet.
+// A part of a diagram, as a block has it, proves some of its cells so, see block_certificate.hpp. Where a corner
+// touches others, each neighbor around it is asked in exact signs, as at corners where more than three planes meet.
 //
 // An image of a vertex is a corner where that of its original is, shifted: in exact signs (check_images()), or by its
 // name, which prove_shared() compares with the number of the original.
@@ -76,8 +76,8 @@ public:
         double volume = 0, doubt = 0;
         std::vector<std::int32_t> open;
     };
-    // Some cells of a diagram: the first ones of the result. Rows of all their neighbors follow, then other seeds without
-    // rows, which those name. Condition 3 is left to the caller, and so is the symmetry of rows.
+    // Some cells of a diagram: the first ones of the result. Rows of all their neighbors follow, then other seeds
+    // without rows, which those name. Condition 3 is left to the caller, and so is the symmetry of rows.
     struct Part {
         std::size_t cells;
         std::span<const std::int64_t> ids;  // of the seeds of the result, in messages; empty: all cells are there
@@ -100,8 +100,8 @@ public:
                 const Part& part = {});
     // Proves all cells on all threads. Throws `cancelled`.
     [[nodiscard]] Verdict prove();
-    // Returns which of these seeds without a cell, as far as they lie in cells with rows, cells of a part exclude. Throws
-    // `cancelled`.
+    // Returns which of these seeds without a cell, as far as they lie in cells with rows, cells of a part exclude.
+    // Throws `cancelled`.
     [[nodiscard]] std::vector<std::int32_t> find_excluded(std::span<const std::int32_t> hidden);
     // Tries to prove all cells from polygons, with what cells share proven once. Rows need not ascend nor be symmetric.
     // Returns no verdict unless it is `proven`. Call it before prove(), of another object. Throws `cancelled`.
@@ -125,10 +125,10 @@ private:
         double volume = 0, doubt = 0;
         std::size_t covering = 0;  // cells that may hold the place of is_covered_once()
         Fault fault, unsettled;
-        std::int32_t owner = -1;    // a live seed from which to look for others
+        std::int32_t owner = -1;                   // a live seed from which to look for others
         std::vector<std::int32_t> open, excluded;  // seeds without a cell
-        struct PlaneName {          // what a plane adds to the name of a corner
-            std::uint64_t sum = 0;  // of numbers of seeds and walls
+        struct PlaneName {                         // what a plane adds to the name of a corner
+            std::uint64_t sum = 0;                 // of numbers of seeds and walls
             std::uint32_t seeds = 0, before = 0;
             std::uint64_t random = 0, shift = 0, products = 0, squares = 0;  // of seeds
         };

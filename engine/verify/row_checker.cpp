@@ -12,7 +12,7 @@
 namespace votess {
 namespace {
 
-constexpr std::size_t rows_of_piece = 1024;  // that one thread takes at once
+constexpr std::size_t rows_of_piece = 1024;             // that one thread takes at once
 constexpr std::size_t max_open = std::size_t{1} << 17;  // seeds without a cell that all blocks try to exclude
 
 // An entry of a row: seed i lists j.

@@ -70,10 +70,10 @@ public:
     struct Sample {
         std::size_t max_cells = 0;
         std::uint64_t rng_seed = 1;
-        double budget = sample_budget;         // no more cells once some rank has done this many distance tests
-        std::size_t first_round = min_sample;  // cells in the first round
-        std::optional<std::int64_t> cell{};    // no other one
-        bool rows_are_proven = false;          // to ascend and to be symmetric
+        double budget = sample_budget;            // no more cells once some rank has done this many distance tests
+        std::size_t first_round = min_sample;     // cells in the first round
+        std::optional<std::int64_t> cell{};       // no other one
+        bool rows_are_proven = false;             // to ascend and to be symmetric
         std::string unproven = "rows come once";  // why for_proofs() is not asked; empty: it is
     };
     // blocks: must outlive this object.

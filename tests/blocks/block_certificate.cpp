@@ -125,7 +125,8 @@ InBlocks in_blocks(const Case& c, const votess::Tessellation& t, std::size_t blo
     for (std::size_t i = 0; i < c.set.size(); ++i) {
         const double along = (run.points[3 * i] - lower) / (upper - lower);
         run.block_of.push_back(
-            scattered ? i % blocks : std::min(blocks - 1, static_cast<std::size_t>(along * static_cast<double>(blocks))));
+            scattered ? i % blocks
+                      : std::min(blocks - 1, static_cast<std::size_t>(along * static_cast<double>(blocks))));
     }
     return run;
 }
@@ -285,7 +286,8 @@ TEST_CASE("blocks: damage that is symmetric is noticed, and no harmless change i
             if (kind == 2) erase_pair(), insert_pair();
             if (kind == 3)
                 for (std::size_t k = 0; k < 3; ++k)
-                    changed.set.points[3 * i + k] += random.uniform(-1, 1) * 0.02 * (t.box().upper[0] - t.box().lower[0]);
+                    changed.set.points[3 * i + k] +=
+                        random.uniform(-1, 1) * 0.02 * (t.box().upper[0] - t.box().lower[0]);
             if (kind == 4) {
                 if (changed.weights.empty()) changed.weights.assign(c.set.size(), 0);
                 changed.weights[i] += 0.01 * (t.box().upper[0] - t.box().lower[0]) * random.uniform(-1, 1);

@@ -44,7 +44,7 @@ void check_stream(const PointSet& set, const votess::Options& options) {
     const bool rows = options.want.neighbors || whole.size() == 0;
     const bool endless = votess::EndlessSides(votess::settle(options).region).any();
     CHECK(report.proven == (rows && !endless));
-    CHECK(report.unproven == (!rows    ? "the result has no neighbors"
+    CHECK(report.unproven == (!rows     ? "the result has no neighbors"
                               : endless ? "cells of a domain without end are sampled"
                                         : ""));
     const bool sampled = rows && (endless || options.planar);

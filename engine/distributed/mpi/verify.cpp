@@ -152,7 +152,8 @@ private:
             for (std::size_t e = 0; e < shifts.size() / 3; ++e)
                 std::copy_n(&cells.shifts[each * e], each, &shifts[3 * e]);
             const Rows rows{cells.indptr, indices, shifts};
-            for (const BorderRows& some : border_rows(seeds, rows, own.size(), {}, static_cast<std::size_t>(ranks_.size())))
+            for (const BorderRows& some :
+                 border_rows(seeds, rows, own.size(), {}, static_cast<std::size_t>(ranks_.size())))
                 to.push_back(to_message(some));
         });
         return to;

@@ -101,7 +101,7 @@ private:
         plain.progress = {};
         if (stream_.hull) plain.region.walls = intake_.hull_walls();
         domain_.emplace(std::move(plain), intake_.bounds(), intake_.seeds());
-        const Kind kind{of_blocks().want, is_periodic(), intake_.weighted(), intake_.singles()};
+        const Kind kind{of_blocks().want, is_periodic(), intake_.weighted(), intake_.singles(), stream_.verify};
         count_ = blocks_for(stream_.memory, intake_.seeds(), kind);
         result_.blocks = count_;
         const std::uint64_t needed = bytes_on_disk(intake_.seeds(), count_, kind);
