@@ -13,6 +13,7 @@ namespace votess {
 namespace {
 
 constexpr std::size_t rows_of_piece = 1024;             // that one thread takes at once
+constexpr std::size_t budgets_of_open = 8;              // of samples, for those that cells of no block exclude
 constexpr std::size_t max_open = std::size_t{1} << 17;  // seeds without a cell that all blocks try to exclude
 
 // An entry of a row: seed i lists j.
@@ -307,7 +308,7 @@ void RowChecker::exclude_open(const Seeds& own, BlockProof& proof) {
     for (const std::int64_t id : proof.open.ids)
         if (!std::ranges::binary_search(excluded, id)) left.push_back(id);
     if (left.empty()) return;
-    if (left.size() > sample_size(run_.seeds, 1, run_.settled.region.is_periodic()))
+    if (left.size() > budgets_of_open * sample_size(run_.seeds, 1, run_.settled.region.is_periodic()))
         return proof.unsettled.note(left.front(), [&] {
             return std::to_string(left.size()) +
                    " seeds have no cell, and for so many no cells of one block were found that exclude them";

@@ -422,7 +422,8 @@ private:
         for (std::size_t b = 0; b < count_; ++b) {
             stages_.at(blocks_checked_++, passes * count_);
             system::give_back_memory();
-            const Seeds all = seeds_of(b);
+            Seeds all = seeds_of(b);
+            all.tags = {};
             Spool& spool = blocks_[b].rows.of(Layout::status);
             spool.rewind();
             const auto status = spool.read_rest<CellStatus>();
