@@ -461,7 +461,7 @@ struct VerifyReport {
 // `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
 // With Options::only all seeds clip the cells of the sample, rows are symmetric among those that are there, and the
 // check "volumes" is skipped. There is no proof without neighbors, with Options::only, in a mesh, and after min_face or
-// min_area; nor of rows found in blocks. `unproven` says why. points: the array given to tessellate(). Throws
+// min_area; nor of rows found in blocks, in a domain without end. `unproven` says why. points: the array given to tessellate(). Throws
 // invalid_argument when its length differs from that of the run, and for cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
