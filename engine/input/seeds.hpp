@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "core/scrambled.hpp"
 
 namespace votess {
 
@@ -33,6 +34,12 @@ struct Seeds {
         points.insert(points.end(), all.points.begin(), all.points.end());
         weights.insert(weights.end(), all.weights.begin(), all.weights.end());
         tags.insert(tags.end(), all.tags.begin(), all.tags.end());
+    }
+    void drop_last() {
+        ids.pop_back();
+        points.resize(3 * ids.size());
+        if (!weights.empty()) weights.pop_back();
+        if (!tags.empty()) tags.pop_back();
     }
     void reserve(std::size_t count) {
         ids.reserve(count);
@@ -70,5 +77,38 @@ inline std::size_t place_of(std::int64_t id, std::span<const std::int64_t> ids) 
     const auto at = std::ranges::lower_bound(ids, id);
     return at != ids.end() && *at == id ? static_cast<std::size_t>(at - ids.begin()) : ids.size();
 }
+
+// Finds seeds by their ids.
+class SeedIndex {
+public:
+    // ids: of all seeds that are there; they must outlive this object. more: how many seeds will be added.
+    explicit SeedIndex(const std::vector<std::int64_t>& ids, std::size_t more = 0) : ids_(ids) {
+        std::size_t slots = 16;
+        while (slots < 2 * (ids.size() + more)) slots *= 2;
+        slots_.assign(slots, -1);
+        for (std::size_t i = 0; i < ids.size(); ++i) add(i);
+    }
+    // Adds a seed by its number. Returns false if the id is there.
+    bool add(std::size_t number) {
+        std::int32_t& slot = slots_[slot_of(ids_[number])];
+        if (slot >= 0) return false;
+        slot = static_cast<std::int32_t>(number);
+        return true;
+    }
+    // Returns the number of the seed, or -1.
+    [[nodiscard]] std::int32_t find(std::int64_t id) const { return slots_[slot_of(id)]; }
+
+private:
+    // Returns where the seed is, or the free place for it.
+    [[nodiscard]] std::size_t slot_of(std::int64_t id) const {
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t slot = scrambled(static_cast<std::uint64_t>(id)) & mask;
+        while (slots_[slot] >= 0 && ids_[static_cast<std::size_t>(slots_[slot])] != id) slot = (slot + 1) & mask;
+        return slot;
+    }
+
+    const std::vector<std::int64_t>& ids_;
+    std::vector<std::int32_t> slots_;
+};
 
 }  // namespace votess

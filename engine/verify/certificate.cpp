@@ -24,14 +24,6 @@ constexpr int max_cuts = 200;  // of a seed without a cell
 constexpr std::size_t max_near_walls = 12;
 constexpr std::size_t max_tried_places = 64;
 
-std::string text_of(const Name& name) {
-    std::string text = std::to_string(name.id);
-    if (!is_zero(name.shift))
-        text += " (shift " + std::to_string(name.shift[0]) + " " + std::to_string(name.shift[1]) + " " +
-                std::to_string(name.shift[2]) + ")";
-    return text;
-}
-
 // Linear in the shift.
 std::uint64_t number_of(const exact::Shift& shift) {
     return static_cast<std::uint64_t>(shift[0]) * factor_a + static_cast<std::uint64_t>(shift[1]) * factor_b +
@@ -52,11 +44,14 @@ std::uint64_t number_of_edge(std::uint64_t face, std::uint64_t from, std::uint64
 
 }  // namespace
 
-Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless)
+Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless,
+                         const Part& part)
     : run_(run),
       job_(job),
       result_(result),
       endless_(endless),
+      part_(part),
+      count_(part.ids.empty() ? result.status.size() : part.cells),
       numbers_(endless.numbers == nullptr ? result : *endless.numbers),
       tolerance_(double_tolerance.cell +
                  (numbers_.stats.precision == Precision::single ? single_tolerance : double_tolerance).cell),
@@ -64,7 +59,7 @@ Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Re
       planes_(job),
       unscale_(1 / job.scale),
       live_(result.status.size()),
-      pool_(0) {
+      pool_(part.ids.empty() ? 0 : run.settled.threads) {
     for (std::size_t i = 0; i < live_.size(); ++i) live_[i] = result.status[i] == CellStatus::certified;
     detail::for_arrays([&](const auto& array) {
         using Value = std::remove_cvref_t<decltype(array.of(result)[0])>;
@@ -102,6 +97,14 @@ bool Certificate::is_live(std::int32_t id) const {
     return id >= 0 && i < result_.status.size() && live_[i];
 }
 
+std::string Certificate::text_of(const Name& name) const {
+    std::string text = name.id < 0 ? std::to_string(name.id) : text_of(at(name.id));
+    if (!is_zero(name.shift))
+        text += " (shift " + std::to_string(name.shift[0]) + " " + std::to_string(name.shift[1]) + " " +
+                std::to_string(name.shift[2]) + ")";
+    return text;
+}
+
 // Brings the seeds and vertices of a cell into the cache: in input order they lie anywhere. Inline, since compilers
 // drop calls of functions without another effect.
 void Certificate::prefetch(Prefetch what, std::size_t i) const {
@@ -121,10 +124,9 @@ void Certificate::prefetch(Prefetch what, std::size_t i) const {
 
 template <Certificate::Prefetch what, class Task>
 void Certificate::for_cells(const Task& task) {
-    const std::size_t count = result_.status.size();
-    pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
+    pool_.run((count_ + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
         check_stop();
-        const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
+        const std::size_t begin = piece * cells_at_once, end = std::min(count_, begin + cells_at_once);
         for (std::size_t i = begin; i < end; ++i) {
             if (what != Prefetch::none && i + 1 < end) prefetch(what, i + 1);
             task(*workers_[worker], i);
@@ -155,7 +157,7 @@ Certificate::Verdict Certificate::prove() {
         sum.volume += w->volume;
         sum.doubt += w->doubt;
     }
-    if (combine()) check_volume(sum);
+    if (combine() && part_.ids.empty()) check_volume(sum);
     if (combine() && std::ranges::any_of(open_names_, [](std::uint64_t s) { return s != 0; })) {
         const std::vector<bool> open = cells_of_open_names();
         for_cells<Prefetch::none>([&](Worker& w, std::size_t i) {
@@ -177,6 +179,11 @@ Certificate::Verdict Certificate::prove() {
     }
     verdict.fault = std::move(sum.fault);
     verdict.unsettled = std::move(sum.unsettled);
+    for (Fault* fault : {&verdict.fault, &verdict.unsettled})
+        if (!fault->text.empty() && fault->id >= 0) fault->id = id_of(static_cast<std::size_t>(fault->id));
+    for (const auto& w : workers_) verdict.open.insert(verdict.open.end(), w->open.begin(), w->open.end());
+    verdict.volume = sum.volume;
+    verdict.doubt = sum.doubt;
     return verdict;
 }
 
@@ -187,6 +194,7 @@ std::vector<std::int32_t> Certificate::order_in_space() {
     cpu::sort_inside(job_.points, job_.scale, 0, job_.outside, sorter, pool_, sorted);
     std::vector<std::int32_t> order;
     std::vector<bool> waits = live_;
+    std::fill(waits.begin() + static_cast<std::ptrdiff_t>(count_), waits.end(), false);
     const auto live = static_cast<std::size_t>(std::ranges::count(waits, true));
     order.reserve(live);
     const auto add = [&](std::int32_t id) {
@@ -290,7 +298,7 @@ bool Certificate::has_right_side(Worker& w, std::size_t i) const {
     const bool is_outside = !job_.outside.empty() && job_.outside[i] == CellStatus::outside;
     if (is_outside == (result_.status[i] == CellStatus::outside)) return true;
     w.fault.note(static_cast<std::int64_t>(i), [&] {
-        return "seed " + std::to_string(i) +
+        return "seed " + text_of(i) +
                (is_outside ? " lies outside and is not reported so" : " is reported to lie outside, where it does not");
     });
     return false;
@@ -300,7 +308,7 @@ void Certificate::begin_cell(Worker& w, std::size_t i) const {
     w.owner = static_cast<std::int32_t>(i);
     if (!result_.duplicate_of.empty() && result_.duplicate_of[i] >= 0)
         w.fault.note(static_cast<std::int64_t>(i), [&] {
-            return "seed " + std::to_string(i) + " has a cell and is reported to be a duplicate of " +
+            return "seed " + text_of(i) + " has a cell and is reported to be a duplicate of " +
                    std::to_string(result_.duplicate_of[i]);
         });
 }
@@ -339,8 +347,8 @@ bool Certificate::check_shared(Worker& w, std::size_t i) {
     return true;
 }
 
-void Certificate::unsettle(Worker& w, std::size_t i, const char* why) {
-    w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + ' ' + why; });
+void Certificate::unsettle(Worker& w, std::size_t i, const char* why) const {
+    w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "seed " + text_of(i) + ' ' + why; });
 }
 
 Name Certificate::name(std::size_t entry) const {
@@ -368,7 +376,7 @@ void Certificate::check_cell(Worker& w, std::size_t i) {
         if (close_handed(w, i)) {
             measure_handed(w, i);
             if (!w.handed.to_name().empty()) name_planes(w, i);
-            for (const int v : w.handed.to_name()) add_name(w, v);
+            for (const int v : w.handed.to_name()) is_named(w.polytope, v) ? add_name(w, v) : check_corner(w, i, v);
             w.name_for(static_cast<std::int32_t>(i));
             return;
         }
@@ -464,7 +472,7 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
             exists &= other.shift[k] == 0 || (other.id >= 0 && planes_.domain().periodic[k]);
         if (!exists) {
             w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "seed " + std::to_string(i) + " lists " + text_of(other) +
+                return "seed " + text_of(i) + " lists " + text_of(other) +
                        (other.id < 0 ? ", a wall that the domain lacks" : ", which has no cell");
             });
             return false;
@@ -472,7 +480,7 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
         const RoundedPlane plane = w.polytope.seen(other);
         if (plane.length == 0 && planes_.same_place(i, other.id, other.shift)) {
             w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "seed " + std::to_string(i) + " lists " + text_of(other) + ", which lies at its place";
+                return "seed " + text_of(i) + " lists " + text_of(other) + ", which lies at its place";
             });
             return false;
         }
@@ -513,7 +521,7 @@ bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
     if (shape == Shape::unsettled) return unsettle(w, i, "has a cell whose corners were not all found"), false;
     const int listed = static_cast<int>(rows_.end(i) - rows_.begin(i));
     const auto fault = [&](const char* what, const std::string& text) {
-        w.fault.note(static_cast<std::int64_t>(i), [&] { return what + std::to_string(i) + text; });
+        w.fault.note(static_cast<std::int64_t>(i), [&] { return what + text_of(i) + text; });
         return false;
     };
     if (shape == Shape::open) return fault("cell ", " is not closed by the faces that it lists");
@@ -550,8 +558,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     const auto compare = [&](const char* what, double given, double found, double allowed) {
         if (given == found || std::abs(given - found) <= allowed + 64 * smallest_double) return;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
-            return "cell " + std::to_string(i) + " has " + what + " " + number(given) + ", its faces give " +
-                   number(found);
+            return "cell " + text_of(i) + " has " + what + " " + number(given) + ", its faces give " + number(found);
         });
     };
     if (!numbers_.volumes.empty())
@@ -904,14 +911,17 @@ void Certificate::name_planes(Worker& w, std::size_t i) const {
 // Adds the names of corners in general position, condition 2.
 void Certificate::add_names(Worker& w, std::size_t i) {
     const RowPolytope& polytope = w.polytope;
-    for (int v = 0; v < static_cast<int>(polytope.corners().size()); ++v) {
-        if (polytope.through(v).size() > 3) {
-            check_corner(w, i, v);
-            continue;
-        }
-        add_name(w, v);
-    }
+    for (int v = 0; v < static_cast<int>(polytope.corners().size()); ++v)
+        is_named(polytope, v) ? add_name(w, v) : check_corner(w, i, v);
     w.name_for(static_cast<std::int32_t>(i));
+}
+
+// Returns whether the corner is in general position, between walls and cells to prove.
+bool Certificate::is_named(const RowPolytope& polytope, int corner) const {
+    const std::span<const int> through = polytope.through(corner);
+    return through.size() == 3 && (part_.ids.empty() || std::ranges::all_of(through, [&](int f) {
+                                       return polytope.name(f).id < 0 || at(polytope.name(f).id) < count_;
+                                   }));
 }
 
 void Certificate::add_name(Worker& w, int corner) {
@@ -961,7 +971,7 @@ void Certificate::check_names(Worker& w, std::size_t i) {
     name_planes(w, i);
     const RowPolytope& polytope = w.polytope;
     for (int v = 0; v < static_cast<int>(polytope.corners().size()); ++v) {
-        if (polytope.through(v).size() > 3) continue;
+        if (!is_named(polytope, v)) continue;
         std::uint64_t factor = 1;
         if (open_names_[name_of(w, v, factor) % buckets] != 0) check_corner(w, i, v);
     }
@@ -975,6 +985,7 @@ void Certificate::check_corner(Worker& w, std::size_t i, int corner) {
     for (const int f : through) {
         const Name& neighbor = polytope.name(f);
         if (neighbor.id < 0 || !polytope.has_face(f)) continue;
+        if (!has_row(neighbor.id)) return unsettle(w, i, "has a neighbor without a row");
         for_neighbors(neighbor, [&](const Name& other) {
             if (other.id == static_cast<std::int32_t>(i) && other.shift == exact::Shift{}) return;
             if (std::ranges::any_of(through, [&](int g) { return polytope.name(g) == other; })) return;
@@ -982,7 +993,7 @@ void Certificate::check_corner(Worker& w, std::size_t i, int corner) {
             w.asked.push_back(other);
             if (polytope.side(corner, other) <= 0) return;
             w.fault.note(static_cast<std::int64_t>(i), [&] {
-                return "seed " + std::to_string(i) + " lists " + text_of(neighbor) + ", but not its neighbor " +
+                return "seed " + text_of(i) + " lists " + text_of(neighbor) + ", but not its neighbor " +
                        text_of(other) + ", which is nearer to a corner of the cell";
             });
         });
@@ -992,7 +1003,7 @@ void Certificate::check_corner(Worker& w, std::size_t i, int corner) {
 // Condition 4, for seeds other than hidden ones.
 void Certificate::check_other(Worker& w, std::size_t i) {
     const auto fault = [&](const std::string& text) {
-        w.fault.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + text; });
+        w.fault.note(static_cast<std::int64_t>(i), [&] { return "seed " + text_of(i) + text; });
     };
     if (rows_.begin(i) != rows_.end(i)) return fault(" has no cell and a row");
     bool zero = true;
@@ -1017,23 +1028,20 @@ void Certificate::check_other(Worker& w, std::size_t i) {
     }
     if (result_.duplicate_of.empty()) return unsettle(w, i, "is a duplicate, and the result does not say of which one");
     const std::int32_t k = result_.duplicate_of[i];
-    const bool is_seed = k >= 0 && k < static_cast<std::int32_t>(i) &&
+    const bool is_seed = k >= 0 && id_of(at(k)) < id_of(i) &&
                          result_.status[static_cast<std::size_t>(k)] != CellStatus::duplicate &&
                          result_.status[static_cast<std::size_t>(k)] != CellStatus::outside;
     if (!is_seed || planes_.weight(static_cast<std::size_t>(k)) != planes_.weight(i) || !planes_.same_place(i, k, {}))
-        fault(" is reported to be a duplicate of " + std::to_string(k) + ", and is not");
+        fault(" is reported to be a duplicate of " + std::to_string(k < 0 ? k : id_of(at(k))) + ", and is not");
 }
 
 // Returns the image of a live seed whose power is least at a place relative to seed i, by rounded numbers: goes from
-// cell to cell. Powers count from that of seed i.
+// cell to cell, as far as these have rows. Powers count from that of seed i.
 Name Certificate::owner_of(Worker& w, std::size_t i, const Vector3& place) const {
     const auto power = [&](const Name& name) {
         const RoundedPlane plane = planes_.rounded(i, name.id, name.shift);
         return plane.d - dot(plane.n, place);
     };
-    if (w.owner < 0)
-        w.owner = static_cast<std::int32_t>(std::ranges::find(result_.status, CellStatus::certified) -
-                                            result_.status.begin());
     Name best{w.owner, {}};
     double least = power(best);
     for (bool moved = true; moved;) {
@@ -1077,9 +1085,11 @@ std::optional<std::size_t> Certificate::best_cut(Worker& w, std::size_t i, const
 // Condition 4 for a hidden seed. Its polytope within the walls, or within its own images, is cut by live seeds until a
 // plane cuts off all corners. The seeds tried are those around the one that owns the middle of what is left, or else a
 // corner.
-void Certificate::check_hidden(Worker& w, std::size_t i) {
+bool Certificate::is_excluded(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     const auto self = static_cast<std::int32_t>(i);
+    if (!is_live(w.owner)) w.owner = first_live();
+    if (!is_live(w.owner)) return false;
     const Name above = owner_of(w, i, {});
     polytope.begin(i, planes_.rounded(i, above.id, above.shift).length);
     for (const exact::Shift& shift : planes_.domain().reduced.shift) {
@@ -1091,7 +1101,7 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
     for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
     for (int cuts = 0; cuts < max_cuts; ++cuts) {
         const Shape shape = polytope.wrap();
-        if (shape == Shape::flat || shape == Shape::empty) return;
+        if (shape == Shape::flat || shape == Shape::empty) return true;
         if (shape != Shape::solid) break;
         const auto corners = polytope.corners();
         Vector3 middle{};
@@ -1108,10 +1118,32 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
         if (!inside) break;
         bool excluded = *inside == 0;
         for (int v = 0; v < static_cast<int>(corners.size()) && excluded; ++v) excluded = polytope.side(v, best) >= 0;
-        if (excluded) return;
+        if (excluded) return true;
         polytope.add(best);
     }
-    unsettle(w, i, "has no cell, and no few others were found that exclude it");
+    return false;
+}
+
+void Certificate::check_hidden(Worker& w, std::size_t i) {
+    if (is_excluded(w, i)) return;
+    if (part_.ids.empty()) return unsettle(w, i, "has no cell, and no few others were found that exclude it");
+    w.open.push_back(static_cast<std::int32_t>(i));
+}
+
+std::vector<std::int32_t> Certificate::find_excluded(std::span<const std::int32_t> hidden) {
+    pool_.run((hidden.size() + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
+        check_stop();
+        Worker& w = *workers_[worker];
+        const std::size_t begin = piece * cells_at_once, end = std::min(hidden.size(), begin + cells_at_once);
+        for (const std::int32_t i : hidden.subspan(begin, end - begin)) {
+            if (!is_live(w.owner)) w.owner = first_live();
+            const bool is_here = is_live(w.owner) && has_row(owner_of(w, at(i), {}).id);
+            if (is_here && is_excluded(w, at(i))) w.excluded.push_back(i);
+        }
+    });
+    std::vector<std::int32_t> excluded;
+    for (const auto& w : workers_) excluded.insert(excluded.end(), w->excluded.begin(), w->excluded.end());
+    return excluded;
 }
 
 // Condition 3.
@@ -1123,15 +1155,21 @@ void Certificate::check_volume(Worker& sum) {
     };
     if (!has(CellStatus::certified) && has(CellStatus::empty))
         return unsettle(sum, 0, "has no cell, nor has any other");
-    if (!has(CellStatus::certified) || (sum.volume + sum.doubt < 1.5 * domain && sum.doubt < 0.25 * domain)) return;
-    if (!(sum.doubt < 0.25 * domain) || std::isinf(domain)) {
-        if (!is_covered_once()) sum.unsettled.note(0, [] { return std::string(no_volume); });
-        return;
-    }
-    sum.fault.note(-1, [&] {
-        return "the cells that the rows describe have a volume of " + number(sum.volume) + ", the domain holds " +
-               number(job_.box_volume);
-    });
+    if (!has(CellStatus::certified)) return;
+    const Cover cover = cover_of(sum.volume, sum.doubt, domain);
+    if (cover == Cover::unknown && !is_covered_once()) sum.unsettled.note(0, [] { return std::string(no_volume); });
+    if (cover == Cover::more) sum.fault.note(-1, [&] { return text_of_cover(sum.volume, domain); });
+}
+
+Certificate::Cover Certificate::cover_of(double volume, double doubt, double domain) {
+    if (!(doubt < 0.25 * domain)) return Cover::unknown;
+    if (volume + doubt < 1.5 * domain) return Cover::once;
+    return std::isinf(domain) ? Cover::unknown : Cover::more;
+}
+
+std::string Certificate::text_of_cover(double volume, double domain) {
+    return "the cells that the rows describe have a volume of " + number(volume) + ", the domain holds " +
+           number(domain);
 }
 
 // Condition 3 where sums of volumes have lost their digits, as in domains that end far away. In a periodic domain all

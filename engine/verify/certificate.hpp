@@ -10,7 +10,7 @@
 //      P_i and outside of all others (is_covered_once()), or the P_i lie within those of a proven diagram in a part of
 //      D (lists_those_near());
 //   4. each seed without a cell lies outside of D, or at the place of an equal or heavier one, or some other seeds and
-//      walls leave it no volume (check_other(), check_hidden()).
+//      walls leave it no volume (check_other(), is_excluded()).
 // Then the rows are right. Proof. Follow a path in D that meets no edge of any P_i. By 1 and 2 it leaves one P_i
 // through a face only where it enters the one P_j beyond, since other faces lie in walls. So all places of D lie in the
 // same number of P_i, except for edges and faces, and by 3 this number is at most 1. Let V_i be the cell of i among the
@@ -34,18 +34,25 @@
 // corner. Otherwise RowPolytope::wrap_polygons() proves each corner by the signs above, and cells with more than three
 // planes at a corner are found from the planes alone.
 //
+// A part of a diagram, as a block has it, proves some of its cells so, see block_certificate.hpp. Where a corner
+// touches others, each neighbor around it is asked in exact signs, as at corners where more than three planes meet.
+//
 // An image of a vertex is a corner where that of its original is, shifted: in exact signs (check_images()), or by its
 // name, which prove_shared() compares with the number of the original.
 //
 // Signs come from a filter, then from exact/. Nothing here knows how the engine found a cell.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "core/at.hpp"
 #include "core/thread_pool.hpp"
 #include "output/small_faces.hpp"
 #include "result/result.hpp"
@@ -65,6 +72,15 @@ public:
         std::uint64_t tiny_faces = 0;  // as in Stats
         Fault fault;                   // of a cell, or of -1: of all together
         Fault unsettled;               // why a cell is neither proven nor certainly wrong
+        // Of a part: sums for condition 3 of all parts, and seeds without a cell that its cells do not exclude.
+        double volume = 0, doubt = 0;
+        std::vector<std::int32_t> open;
+    };
+    // Some cells of a diagram: the first ones of the result. Rows of all their neighbors follow, then other seeds
+    // without rows, which those name. Condition 3 is left to the caller, and so is the symmetry of rows.
+    struct Part {
+        std::size_t cells;
+        std::span<const std::int64_t> ids;  // of the seeds of the result, in messages; empty: all cells are there
     };
     // What a domain without end adds, whose far box is proven.
     struct Endless {
@@ -74,11 +90,19 @@ public:
     };
     static constexpr const char* no_volume =
         "float64 cannot tell whether the cells fill the domain: they are too thin, too small or too large";
+    // Whether cells with that sum of volumes cover the domain once, condition 3. doubt: of the sum.
+    enum class Cover : std::uint8_t { once, unknown, more };
+    [[nodiscard]] static Cover cover_of(double volume, double doubt, double domain);
+    [[nodiscard]] static std::string text_of_cover(double volume, double domain);
     // job: of the points of the result, and its domain. Rows must ascend and be symmetric. All must outlive this
     // object.
-    Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless);
+    Certificate(const CheckedRun& run, const Job& job, const detail::Result& result, const Endless& endless,
+                const Part& part = {});
     // Proves all cells on all threads. Throws `cancelled`.
     [[nodiscard]] Verdict prove();
+    // Returns which of these seeds without a cell, as far as they lie in cells with rows, cells of a part exclude.
+    // Throws `cancelled`.
+    [[nodiscard]] std::vector<std::int32_t> find_excluded(std::span<const std::int32_t> hidden);
     // Tries to prove all cells from polygons, with what cells share proven once. Rows need not ascend nor be symmetric.
     // Returns no verdict unless it is `proven`. Call it before prove(), of another object. Throws `cancelled`.
     [[nodiscard]] std::optional<Verdict> prove_shared();
@@ -101,9 +125,10 @@ private:
         double volume = 0, doubt = 0;
         std::size_t covering = 0;  // other cells that may hold place_
         Fault fault, unsettled;
-        std::int32_t owner = -1;    // a live seed from which to look for others
-        struct PlaneName {          // what a plane adds to the name of a corner
-            std::uint64_t sum = 0;  // of numbers of seeds and walls
+        std::int32_t owner = -1;                   // a live seed from which to look for others
+        std::vector<std::int32_t> open, excluded;  // seeds without a cell
+        struct PlaneName {                         // what a plane adds to the name of a corner
+            std::uint64_t sum = 0;                 // of numbers of seeds and walls
             std::uint32_t seeds = 0, before = 0;
             std::uint64_t random = 0, shift = 0, products = 0, squares = 0;  // of seeds
         };
@@ -132,6 +157,15 @@ private:
     void for_cells(const Task& task);
     [[gnu::always_inline]] inline void prefetch(Prefetch what, std::size_t i) const;
     [[nodiscard]] bool is_live(std::int32_t id) const;
+    [[nodiscard]] std::int32_t first_live() const {
+        return static_cast<std::int32_t>(std::ranges::find(live_, true) - live_.begin());
+    }
+    [[nodiscard]] std::int64_t id_of(std::size_t i) const {
+        return part_.ids.empty() ? static_cast<std::int64_t>(i) : part_.ids[i];
+    }
+    [[nodiscard]] std::string text_of(std::size_t i) const { return std::to_string(id_of(i)); }
+    [[nodiscard]] std::string text_of(const RowPolytope::Name& name) const;
+    [[nodiscard]] bool has_row(std::int32_t id) const { return rows_.begin(at(id)) != rows_.end(at(id)); }
     [[nodiscard]] RowPolytope::Name name(std::size_t entry) const;
     void check_cell(Worker& w, std::size_t i);
     [[nodiscard]] bool has_right_side(Worker& w, std::size_t i) const;
@@ -166,6 +200,7 @@ private:
     void name_planes(Worker& w, std::size_t i) const;
     void add_names(Worker& w, std::size_t i);
     void add_name(Worker& w, int corner);
+    [[nodiscard]] bool is_named(const RowPolytope& polytope, int corner) const;
     static void add_to_sum(Worker& w, std::uint64_t name, std::uint64_t factor);
     [[nodiscard]] std::vector<bool> cells_of_open_names() const;
     void check_names(Worker& w, std::size_t i);
@@ -173,6 +208,7 @@ private:
     void check_corner(Worker& w, std::size_t i, int corner);
     void check_other(Worker& w, std::size_t i);
     void check_hidden(Worker& w, std::size_t i);
+    [[nodiscard]] bool is_excluded(Worker& w, std::size_t i);
     [[nodiscard]] RowPolytope::Name owner_of(Worker& w, std::size_t i, const Vector3& place) const;
     [[nodiscard]] std::optional<std::size_t> best_cut(Worker& w, std::size_t i, const Vector3& place, bool exactly,
                                                       RowPolytope::Name& best) const;
@@ -183,12 +219,14 @@ private:
     void tally_cover(Worker& w, std::size_t i) const;
     [[nodiscard]] bool no_other_covers() const;
     void find_place();
-    static void unsettle(Worker& w, std::size_t i, const char* why);
+    void unsettle(Worker& w, std::size_t i, const char* why) const;
 
     const CheckedRun& run_;
     const Job& job_;
     const detail::Result& result_;
     Endless endless_;
+    Part part_;
+    std::size_t count_;  // cells to prove, the first ones
     const detail::Result& numbers_;
     double tolerance_;  // of numbers
     Rows rows_;

@@ -85,6 +85,16 @@ struct Fault {
     void merge(Fault other) {
         if (other.id < id) *this = std::move(other);
     }
+    void put_to(Writer& writer) const {
+        writer.put(id);
+        writer.put(std::vector<char>(text.begin(), text.end()));
+    }
+    void get_from(Reader& reader) {
+        std::vector<char> characters;
+        reader.get(id);
+        reader.get(characters);
+        text.assign(characters.begin(), characters.end());
+    }
 };
 
 // Clips cells by every seed of a block, which ascend by id. Each request holds the seeds of some cells, its reply the

@@ -12,7 +12,9 @@
 namespace votess {
 namespace {
 
-constexpr std::size_t rows_of_piece = 1024;  // that one thread takes at once
+constexpr std::size_t rows_of_piece = 1024;             // that one thread takes at once
+constexpr std::size_t budgets_of_open = 8;              // of samples, for those that cells of no block exclude
+constexpr std::size_t max_open = std::size_t{1} << 17;  // seeds without a cell that all blocks try to exclude
 
 // An entry of a row: seed i lists j.
 struct Entry {
@@ -151,19 +153,6 @@ std::vector<T> gathered(RunBlocks& blocks, const std::vector<T>& own) {
     return all;
 }
 
-void put(Writer& writer, const Fault& fault) {
-    writer.put(fault.id);
-    writer.put(std::vector<char>(fault.text.begin(), fault.text.end()));
-}
-Fault get_fault(Reader& reader) {
-    Fault fault;
-    std::vector<char> text;
-    reader.get(fault.id);
-    reader.get(text);
-    fault.text.assign(text.begin(), text.end());
-    return fault;
-}
-
 }  // namespace
 
 std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic) {
@@ -268,10 +257,67 @@ VerifyReport RowChecker::report() {
     check("symmetry", sums_.rows, [&] { return check_symmetry(ranks); });
     check("euler", sums_.counts, [&] { return euler_.text; });
     if (report.failure.empty()) report.failure = surface_.text;
-    check("sample", sums_.rows || sums_.volumes, [&] { return check_sample(report.sampled); });
+    if (report.failure.empty()) prove(report);
+    // The proof compares no numbers of the plane.
+    if (!report.proven || run_.planar)
+        check("sample", sums_.rows || sums_.volumes, [&] { return check_sample(report.sampled); });
     report.passed = report.failure.empty();
-    if (report.passed) report.unproven = "cells that come in blocks or from ranks are sampled";
+    report.proven &= report.passed;
+    if (!report.passed) report.unproven.clear();
     return report;
+}
+
+void RowChecker::prove(VerifyReport& report) {
+    report.unproven = sample_.unproven;
+    if (run_.seeds > 0 && report.unproven.empty() && !sums_.rows) report.unproven = "the result has no neighbors";
+    if (run_.ends.any() && report.unproven.empty()) report.unproven = "cells of a domain without end are sampled";
+    if (!report.unproven.empty()) return;
+    BlockProof own, all;
+    blocks_.for_proofs([&](Seeds seeds, const BorderRows& border, const RunBlocks::RowsOf& rows) {
+        BlockCertificate certificate(run_, std::move(seeds), border);
+        rows([&](const StreamRows& some, const RowNames&) { certificate.add(some); });
+        own.merge(certificate.prove());
+    });
+    for (const Message& message : blocks_.gather_all(message_of(own))) {
+        BlockProof some;
+        read_message(message, some);
+        all.merge(std::move(some));
+    }
+    exclude_open(own.open, all);
+    all.check_volume(run_.domain_volume);
+    report.failure = all.fault.text;
+    report.unproven = all.unsettled.text;
+    report.proven = report.failure.empty() && report.unproven.empty();
+}
+
+// Seeds without a cell may be far away from the cells of their block. So cells of other blocks exclude them, or at last
+// all seeds. own: the open ones of this rank.
+void RowChecker::exclude_open(const Seeds& own, BlockProof& proof) {
+    if (proof.open.size() == 0 || !proof.fault.text.empty() || !proof.unsettled.text.empty()) return;
+    std::vector<std::int64_t> excluded;
+    if (proof.open.size() <= max_open)
+        blocks_.for_proofs([&](Seeds seeds, const BorderRows& border, const RunBlocks::RowsOf& rows) {
+            BlockCertificate certificate(run_, std::move(seeds), border);
+            rows([&](const StreamRows& some, const RowNames&) { certificate.add(some); });
+            const std::vector<std::int64_t> some = certificate.find_excluded(proof.open);
+            excluded.insert(excluded.end(), some.begin(), some.end());
+        });
+    excluded = gathered(blocks_, excluded);
+    std::ranges::sort(excluded);
+    std::vector<std::int64_t> left;
+    for (const std::int64_t id : proof.open.ids)
+        if (!std::ranges::binary_search(excluded, id)) left.push_back(id);
+    if (left.empty()) return;
+    if (left.size() > budgets_of_open * sample_size(run_.seeds, 1, run_.settled.region.is_periodic()))
+        return proof.unsettled.note(left.front(), [&] {
+            return std::to_string(left.size()) +
+                   " seeds have no cell, and for so many no cells of one block were found that exclude them";
+        });
+    std::vector<ReportedCell> cells;
+    for (const std::int64_t id : own.ids)
+        if (!std::ranges::binary_search(excluded, id)) cells.push_back({id, true, false, {}, {}});
+    double work = 0;
+    proof.fault = try_cells(cells, own.sorted(), work);
 }
 
 std::size_t RowChecker::combine() {
@@ -283,7 +329,7 @@ std::size_t RowChecker::combine() {
     }
     Writer writer;
     writer.put(sums_);
-    for (const Fault* fault : {&order_, &euler_, &surface_}) put(writer, *fault);
+    for (const Fault* fault : {&order_, &euler_, &surface_}) writer.put(*fault);
     const std::vector<Message> states = blocks_.gather_all(writer.take());
     sums_ = {};
     for (const Message& state : states) {
@@ -297,18 +343,21 @@ std::size_t RowChecker::combine() {
         sums_.rows |= some.rows;
         sums_.volumes |= some.volumes;
         sums_.counts |= some.counts;
-        for (Fault* fault : {&order_, &euler_, &surface_}) fault->merge(get_fault(reader));
+        for (Fault* fault : {&order_, &euler_, &surface_}) {
+            Fault other;
+            reader.get(other);
+            fault->merge(std::move(other));
+        }
     }
     return states.size();
 }
 
 Fault RowChecker::first_of_ranks(const Fault& own) {
-    Writer writer;
-    put(writer, own);
     Fault first;
-    for (const Message& message : blocks_.gather_all(writer.take())) {
-        Reader reader(message);
-        first.merge(get_fault(reader));
+    for (const Message& message : blocks_.gather_all(message_of(own))) {
+        Fault some;
+        read_message(message, some);
+        first.merge(std::move(some));
     }
     return first;
 }

@@ -3,7 +3,8 @@
 // take() checks each row by itself, on the threads of the run: it ascends, Euler's formula holds, and the surface is
 // closed. Over all rows it adds up volumes, and signed random numbers of pairs that cancel when each entry has its
 // counterpart in the row of the neighbor. It keeps the cells of least random keys as a sample, which does not depend on
-// how rows come. report() combines the ranks, and tries the sample by brute force.
+// how rows come. report() combines the ranks. Then it proves all cells, block by block, see block_certificate.hpp, or
+// tries the sample by brute force.
 #pragma once
 
 #include <array>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "result/arrays.hpp"
+#include "verify/block_certificate.hpp"
 #include "verify/reported_cell.hpp"
 #include "votess/block_cells.hpp"
 #include "votess/stream.hpp"
@@ -53,6 +55,11 @@ public:
     virtual bool for_rows(const Visit&) { return false; }
     // Calls the task with the seeds of each block of this rank that have cells, ascending by id.
     virtual void for_blocks(const std::function<void(Seeds)>& task) = 0;
+    // Calls prove(own, border, rows) for each block of this rank that has seeds: these, see BlockCertificate, and what
+    // visits their rows. Only for a sample that says so.
+    using RowsOf = std::function<void(const Visit&)>;
+    using Prove = std::function<void(Seeds own, const BorderRows& border, const RowsOf& rows)>;
+    virtual void for_proofs(const Prove&) {}
 
     // Does the work; when it throws on one rank, it throws on all.
     virtual void together(const std::function<void()>& work) { work(); }
@@ -67,10 +74,11 @@ public:
     struct Sample {
         std::size_t max_cells = 0;
         std::uint64_t rng_seed = 1;
-        double budget = sample_budget;         // no more cells once some rank has done this many distance tests
-        std::size_t first_round = min_sample;  // cells in the first round
-        std::optional<std::int64_t> cell{};    // no other one
-        bool rows_are_proven = false;          // to ascend and to be symmetric
+        double budget = sample_budget;            // no more cells once some rank has done this many distance tests
+        std::size_t first_round = min_sample;     // cells in the first round
+        std::optional<std::int64_t> cell{};       // no other one
+        bool rows_are_proven = false;             // to ascend and to be symmetric
+        std::string unproven = "rows come once";  // why for_proofs() is not asked; empty: it is
     };
     // blocks: must outlive this object.
     RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks);
@@ -107,6 +115,9 @@ private:
     std::size_t combine();
     [[nodiscard]] std::string check_volumes() const;
     [[nodiscard]] std::string check_symmetry(std::size_t ranks);
+    // Proves all cells, or says why not.
+    void prove(VerifyReport& report);
+    void exclude_open(const Seeds& own, BlockProof& proof);
     [[nodiscard]] Seeds seeds_of_sample();
     [[nodiscard]] std::string check_sample(std::size_t& sampled);
     [[nodiscard]] Fault try_cells(std::span<const ReportedCell> cells, const Seeds& named, double& work);

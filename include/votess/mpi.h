@@ -52,7 +52,8 @@ VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 VOTESS_API votess_status votess_mpi_array(const votess_mpi_result* result, const char* name, votess_array* array);
 VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* counts);
 // Checks a result, see verify() in mpi.hpp. Collective. points: the 3 * count coordinates that were handed in; NULL and
-// 0 for VOTESS_MPI_MADE. The other arguments are those of votess_verify, except that no cell is proven.
+// 0 for VOTESS_MPI_MADE. The other arguments are those of votess_verify: all cells are proven if they
+// passed and `unproven` is "".
 VOTESS_API votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, const double* points,
                                            size_t count, size_t sample, uint64_t rng_seed, int* passed,
                                            uint32_t* skipped, size_t* sampled, char* failure, size_t failure_size,

@@ -88,9 +88,10 @@ struct StreamResult {
     std::uint64_t asked_cells = 0;                // cells that other blocks completed
     std::uint64_t temporary_bytes = 0;            // of all temporary files at one time, at most
     // Set with StreamOptions::verify. A sum of 128 bits over all entries tests symmetry. It misses a fault with a
-    // probability of about 2^-128, and its message does not name the seeds. The sample has as many cells as take about
-    // a second, but at least 64 or all. Its size depends on the input, the number of blocks and the memory. Without
-    // neighbors only volumes and Euler's formula are checked.
+    // probability of about 2^-128, and its message does not name the seeds. Then all cells are proven, block by block.
+    // In a domain without end a sample is tried instead, and in the plane too, for its numbers: as many cells as take
+    // about a second, but at least 64 or all. Its size depends on the input, the number of blocks and the memory.
+    // Without neighbors only volumes and Euler's formula are checked.
     std::optional<VerifyReport> verified;
 };
 

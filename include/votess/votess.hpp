@@ -461,8 +461,8 @@ struct VerifyReport {
 // With Options::only all seeds clip the cells, rows are symmetric among those that are there, and the check "volumes"
 // is skipped. Where there are so many cells that it takes longer than a run of all cells, without neighbors, and after
 // min_face or min_area, such a run is made and checked, and each array equals its part of that. There is no proof in a
-// mesh, nor of rows found in blocks; `unproven` says why. points: the array given to tessellate(). Throws
-// invalid_argument when its length differs from that of the run, and for cells of probes.
+// mesh, nor of rows found in blocks in a domain without end; `unproven` says why. points: the array given to
+// tessellate(). Throws invalid_argument when its length differs from that of the run, and for cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

@@ -42,7 +42,13 @@ void check_stream(const PointSet& set, const votess::Options& options) {
     CHECK(report.passed);
     const auto tried = std::ranges::count_if(whole.status(), votess::takes_part);
     const bool rows = options.want.neighbors || whole.size() == 0;
-    CHECK(report.sampled == (rows ? std::min<std::size_t>(64, static_cast<std::size_t>(tried)) : 0));
+    const bool endless = votess::EndlessSides(votess::settle(options).region).any();
+    CHECK(report.proven == (rows && !endless));
+    CHECK(report.unproven == (!rows     ? "the result has no neighbors"
+                              : endless ? "cells of a domain without end are sampled"
+                                        : ""));
+    const bool sampled = rows && (endless || options.planar);
+    CHECK(report.sampled == (sampled ? std::min<std::size_t>(64, static_cast<std::size_t>(tried)) : 0));
     CHECK(report.skipped ==
           (rows ? std::vector<std::string>() : std::vector<std::string>{"volumes", "symmetry", "euler", "sample"}));
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
+#include <optional>
 #include <votess/mpi.hpp>
 
 #include "mpi/inputs.hpp"
@@ -44,7 +45,7 @@ Part part_of(const World& world, const Input& input, Cells cells) {
     return part;
 }
 
-votess::VerifyReport verified(const World& world, const Part& part, std::size_t sample) {
+votess::VerifyReport verified(const World& world, const Part& part, std::optional<std::size_t> sample) {
     votess::VerifyOptions options;
     options.sample = sample;
     const bool made = part.result.send_indptr.empty();
@@ -52,15 +53,20 @@ votess::VerifyReport verified(const World& world, const Part& part, std::size_t 
 }
 
 void passes(World& world, const Input& input, Cells cells) {
-    const votess::VerifyReport report = verified(world, part_of(world, input, cells), 100);
-    if (!report.passed || !report.skipped.empty() || report.sampled == 0)
+    const Part part = part_of(world, input, cells);
+    const votess::VerifyReport report = verified(world, part, 100), proof = verified(world, part, std::nullopt);
+    if (!report.passed || !report.skipped.empty() || report.sampled == 0 || report.proven)
         world.wrong.push_back("verify, " + input.name + ": '" + report.failure + "'");
+    const bool endless = proof.unproven == "cells of a domain without end are sampled";
+    if (!proof.passed || !proof.skipped.empty() || proof.proven == endless)
+        world.wrong.push_back("verify, " + input.name + ": '" + proof.failure + "', '" + proof.unproven + "'");
 }
 
 void fails(World& world, const std::string& name, const Part& part, const std::string& words) {
     const votess::VerifyReport report = verified(world, part, part.result.counts.seeds);
     if (report.passed || report.failure.find(words) == std::string::npos)
         world.wrong.push_back("verify, " + name + ": '" + report.failure + "' instead of '" + words + "'");
+    if (verified(world, part, std::nullopt).passed) world.wrong.push_back("verify, " + name + ": there is a proof");
 }
 
 void erase_entry(votess::BlockCells& cells, std::size_t row, std::size_t entry) {

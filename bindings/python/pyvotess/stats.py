@@ -129,20 +129,21 @@ def as_sample(sample: Optional[int], rng_seed: int) -> Tuple[int, int]:
 
 
 def read_report(
-    passed: int, skipped: int, sampled: int, failure: bytes, unproven: bytes, proven: bool = False
+    passed: int, skipped: int, sampled: int, failure: bytes, unproven: bytes
 ) -> VerifyReport:
     names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped & bit)
     texts = [text.decode("utf-8", "replace") for text in (failure, unproven)]
+    proven = bool(passed) and not unproven
     return VerifyReport(bool(passed), texts[0], names, sampled, proven=proven, unproven=texts[1])
 
 
 def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
-    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one proves cells and counts faces."""
+    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one says apart that cells are proven, and counts faces."""
     passed, proven, skipped, sampled = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
     texts = [ctypes.create_string_buffer(1024) for _ in range(2)]  # failure, unproven
     tiny = ctypes.c_uint64(_c_api.TINY_FACES_UNKNOWN)
     verdict = (passed, proven, skipped, sampled, tiny) if proves else (passed, skipped, sampled)
     buffers = [part for text in texts for part in (text, len(text))]
     raise_on_failure(function(*arguments, *verdict, *buffers))
-    report = read_report(passed.value, skipped.value, sampled.value, texts[0].value, texts[1].value, bool(proven.value))
+    report = read_report(passed.value, skipped.value, sampled.value, texts[0].value, texts[1].value)
     return report if tiny.value == _c_api.TINY_FACES_UNKNOWN else replace(report, tiny_faces=tiny.value)

@@ -51,8 +51,7 @@ class Stream(unittest.TestCase):
             self.assertIsNone(rows.pieces[0].duplicate_of)
         self.assertIsNone(result.verified)
         verified = vt.tessellate_stream([points], lambda rows: None, memory=LITTLE, box=UNIT_BOX, verify=True).verified
-        unproven = "cells that come in blocks or from ranks are sampled"
-        self.assertEqual(verified, vt.VerifyReport(True, "", ("euler",), 64, unproven=unproven))
+        self.assertEqual(verified, vt.VerifyReport(True, "", ("euler",), proven=True))
         single = points.astype("f4")
         _, result, whole = self.check(single, np.split(single, 2))
         np.testing.assert_array_equal(result.box, whole.box)

@@ -1,4 +1,5 @@
 // votess::mpi::verify(): each rank feeds its rows to the checker, which combines the ranks.
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -61,11 +62,103 @@ public:
         });
         task(std::move(seeds));
     }
+    void for_proofs(const Prove& prove) override {
+        Seeds own;
+        together([&] {
+            for (std::size_t i = 0; i < result_.ids.size(); ++i) own.add(result_.ids[i], points_, result_.weights, i);
+        });
+        const Seeds others = neighbors_of(own);
+        const std::vector<Message> from = ranks_.exchange(border_for_others(own, others));
+        together([&] {
+            BorderRows border;
+            for (const Message& message : from) {
+                BorderRows some;
+                read_message(message, some);
+                border.add(some);
+            }
+            if (own.size() > 0)
+                prove(std::move(own), border, [&](const Visit& visit) { visit(rows_of(result_.cells), {}); });
+        });
+    }
     void together(const std::function<void()>& work) override { ranks_.together(work); }
     std::vector<Message> gather_all(const Message& own) override { return ranks_.gather_all(own); }
     std::vector<Message> exchange(const std::vector<Message>& to) override { return ranks_.exchange(to); }
 
 private:
+    // Returns the seeds of other ranks that rows name. Tags: the ranks that have their rows. The rank of an id modulo
+    // their number knows where it is.
+    Seeds neighbors_of(const Seeds& own) {
+        const BlockCells& cells = result_.cells;
+        const auto ranks = static_cast<std::size_t>(ranks_.size());
+        const auto rank_of = [&](std::int64_t id) { return static_cast<std::uint64_t>(id) % ranks; };
+        std::vector<Message> to(ranks);
+        together([&] {
+            std::vector<Seeds> known(ranks);
+            std::vector<std::vector<std::int64_t>> wanted(ranks);
+            for (std::size_t i = 0; i < own.size(); ++i)
+                if (takes_part(cells.status[i])) known[rank_of(own.ids[i])].add(own, i);
+            std::vector<std::int64_t> ids = cells.indices;
+            ids.insert(ids.end(), cells.duplicate_of.begin(), cells.duplicate_of.end());
+            std::ranges::sort(ids);
+            ids.erase(std::ranges::unique(ids).begin(), ids.end());
+            const SeedIndex index(own.ids);
+            for (const std::int64_t id : ids)
+                if (id >= 0 && index.find(id) < 0) wanted[rank_of(id)].push_back(id);
+            for (std::size_t r = 0; r < ranks; ++r) to[r] = message_of(known[r], wanted[r]);
+        });
+        std::vector<Message> from = ranks_.exchange(to);
+        together([&] {
+            Seeds known;
+            std::vector<std::vector<std::int64_t>> wanted(ranks);
+            for (std::size_t r = 0; r < ranks; ++r) {
+                Seeds some;
+                read_message(from[r], some, wanted[r]);
+                some.tags.assign(some.size(), static_cast<std::int32_t>(r));
+                known.add(some);
+            }
+            const SeedIndex index(known.ids);
+            for (std::size_t r = 0; r < ranks; ++r) {
+                Seeds some;
+                for (const std::int64_t id : wanted[r])
+                    if (const std::int32_t k = index.find(id); k >= 0) some.add(known, static_cast<std::size_t>(k));
+                to[r] = to_message(some);
+            }
+        });
+        from = ranks_.exchange(to);
+        Seeds others;
+        together([&] {
+            for (const Message& message : from) {
+                Seeds some;
+                read_message(message, some);
+                others.add(some);
+            }
+        });
+        return others;
+    }
+
+    // Returns, by rank, the rows that it needs.
+    std::vector<Message> border_for_others(const Seeds& own, const Seeds& others) {
+        std::vector<Message> to;
+        together([&] {
+            const BlockCells& cells = result_.cells;
+            const std::size_t each = result_.options.planar ? 2 : 3;
+            Seeds seeds = own;
+            seeds.tags.assign(own.size(), ranks_.rank());
+            seeds.add(others);
+            const SeedIndex index(seeds.ids);
+            std::vector<std::int32_t> indices;
+            std::vector<std::int8_t> shifts(cells.shifts.size() / each * 3);
+            for (const std::int64_t id : cells.indices) indices.push_back(id < 0 ? -1 : index.find(id));
+            for (std::size_t e = 0; e < shifts.size() / 3; ++e)
+                std::copy_n(&cells.shifts[each * e], each, &shifts[3 * e]);
+            const Rows rows{cells.indptr, indices, shifts};
+            for (const BorderRows& some :
+                 border_rows(seeds, rows, own.size(), {}, static_cast<std::size_t>(ranks_.size())))
+                to.push_back(to_message(some));
+        });
+        return to;
+    }
+
     const Ranks& ranks_;
     const Result& result_;
     bool made_;
@@ -92,6 +185,7 @@ VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double>
         RowChecker::Sample sample{0, options.rng_seed};
         sample.max_cells = options.sample.value_or(
             sample_size(result.counts.seeds / static_cast<std::uint64_t>(ranks.size()), 1, periodic));
+        sample.unproven = options.sample ? "a number of cells was given, which are sampled" : "";
         if (options.sample) sample.budget = std::numeric_limits<double>::infinity();
         const BlockDomain domain(std::move(whole), bounds, result.counts.seeds);
         checker.emplace(checked_run(domain, result.counts.seeds, result.counts.box_volume), sample, *block);

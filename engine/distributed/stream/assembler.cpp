@@ -14,13 +14,15 @@ constexpr std::size_t widened_at_once = 65536;
 }  // namespace
 
 Assembler::Assembler(const Layout& layout, const StreamHead& head, const std::vector<std::vector<RowStore*>>& groups,
-                     ThreadPool& pool)
-    : layout_(layout), head_(head), pool_(pool) {
+                     ThreadPool& pool, std::span<const std::int64_t> only)
+    : layout_(layout), head_(head), pool_(pool), only_(only) {
     for (const auto& stores : groups) {
         std::vector<Part>& parts = groups_.emplace_back();
-        for (RowStore* store : stores)
+        for (RowStore* store : stores) {
+            store->rewind();
             parts.push_back(
                 {store, Cursor<std::int64_t>(store->ids()), Cursor<RowStore::Duplicate>(store->duplicates()), {}, {}});
+        }
     }
 }
 
@@ -31,15 +33,15 @@ void Assembler::for_parts(const Task& task) {
 
 void Assembler::find(Part& part, std::uint64_t end) {
     part.places.clear();
-    for (const std::int64_t* id = part.ids.peek(); id != nullptr && static_cast<std::uint64_t>(*id) < end;
+    for (const std::int64_t* id = part.ids.peek(); id != nullptr && place(*id) < end;
          part.ids.pop(), id = part.ids.peek())
-        part.places.push_back(static_cast<std::uint32_t>(static_cast<std::uint64_t>(*id) - first_));
+        part.places.push_back(static_cast<std::uint32_t>(place(*id) - first_));
     part.lengths.resize(layout_.rows() ? part.places.size() : 0);
     part.store->lengths().read(std::span(part.lengths));
     for (std::size_t k = 0; k < part.lengths.size(); ++k) indptr_[part.places[k] + 1] = part.lengths[k];
-    for (const auto* one = part.duplicates.peek(); one != nullptr && static_cast<std::uint64_t>(one->id) < end;
+    for (const auto* one = part.duplicates.peek(); one != nullptr && place(one->id) < end;
          part.duplicates.pop(), one = part.duplicates.peek())
-        duplicate_of_[static_cast<std::uint64_t>(one->id) - first_] = one->of;
+        duplicate_of_[place(one->id) - first_] = one->of;
 }
 
 void Assembler::take_cells(Part& part, std::size_t array) {

@@ -10,9 +10,10 @@ namespace votess::stream {
 
 class Assembler {
 public:
-    // groups: of stores; each group has cells that those before it skipped.
+    // groups: of stores; each group has cells that those before it skipped. only: the ids of the cells, ascending, if
+    // these are not 0, 1, ...
     Assembler(const Layout& layout, const StreamHead& head, const std::vector<std::vector<RowStore*>>& groups,
-              ThreadPool& pool);
+              ThreadPool& pool, std::span<const std::int64_t> only = {});
 
     // Returns the cells from first() on, at most max_cells. They are valid until the next call.
     [[nodiscard]] StreamRows next(std::size_t max_cells);
@@ -27,6 +28,9 @@ private:
     };
     template <class Task>
     void for_parts(const Task& task);
+    [[nodiscard]] std::uint64_t place(std::int64_t id) const {
+        return only_.empty() ? static_cast<std::uint64_t>(id) : place_of(id, only_);
+    }
     void find(Part& part, std::uint64_t end);
     void take_cells(Part& part, std::size_t array);
     void take_entries(Part& part, std::size_t array);
@@ -37,6 +41,7 @@ private:
     const StreamHead& head_;
     std::vector<std::vector<Part>> groups_;
     ThreadPool& pool_;
+    std::span<const std::int64_t> only_;
     std::uint64_t first_ = 0;
     std::int64_t entries_ = 0;  // of the rows before first()
     std::array<std::vector<std::byte>, detail::row_array_count> arrays_;

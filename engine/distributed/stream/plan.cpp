@@ -43,7 +43,8 @@ double bytes_of_block(double seeds, const Kind& kind) {
     const Want& want = kind.want;
     const bool measured = want.volumes || want.centroids || want.surfaces || want.radii || want.areas;
     const bool rows = want.neighbors || !measured;
-    const double of_seed = 32 + 4 + (kind.weighted ? 24 : 0) + (kind.periodic ? 36 : 0) + 24 + 4 + 4 + 7;
+    const double of_seed =
+        32 + 4 + (kind.weighted ? 24 : 0) + (kind.periodic ? 36 : 0) + (kind.verified ? 4 : 0) + 24 + 4 + 4 + 7;
     constexpr double to_sort = 40;  // lent to the rows
     const double of_cell = 24 + 4 + 1 + measures(want) + (measured && !want.radii ? 8 : 0) + (rows ? 8 + 8 : 0) +
                            (rows ? entries * (4 + 2.5 + (kind.periodic ? 6 : 0)) + 2 * values(want) : 0);
@@ -71,7 +72,11 @@ std::uint64_t bytes_on_disk(std::uint64_t seeds, std::size_t blocks, const Kind&
     Want measured = kind.want;
     measured.counts = false;
     const double of_cell = 0.1 + measures(measured) + (kind.want.counts ? 1 : 0);
-    return static_cast<std::uint64_t>(with_halo(all / count) * count * of_seed + all * (of_tiles + of_row + of_cell));
+    // A proof needs the rows of cells next to other blocks there, with all seeds that these name.
+    const double at_border = std::min(1.0, 6 / std::cbrt(std::max(all / count, 1.0)));
+    const double of_border = kind.verified && kind.want.neighbors && blocks > 1 ? 6 * of_seed + of_row : 0;
+    return static_cast<std::uint64_t>(with_halo(all / count) * count * of_seed +
+                                      all * (of_tiles + of_row + of_cell + at_border * of_border));
 }
 
 }  // namespace votess::stream

@@ -11,7 +11,8 @@ namespace votess::stream {
 struct Kind {
     Want want;
     bool periodic = false, weighted = false;
-    bool singles = false;  // float32 holds all coordinates
+    bool singles = false;   // float32 holds all coordinates
+    bool verified = false;  // the cells are proven
 };
 
 // Returns the least number of blocks of which the largest fits.

@@ -79,11 +79,14 @@ void RowStore::add(blocks::Run& run, std::size_t count, std::span<const std::uin
     duplicates_.append(std::span<const Duplicate>(duplicates));
 }
 
-void RowStore::release_as_read(bool verify) {
-    for (Spool* spool : {&duplicates_, &lengths_}) spool->release_as_read();
-    for (std::size_t k = 0; k < arrays_.size(); ++k)
-        if (!verify || k != Layout::status) arrays_[k].release_as_read();
-    if (!verify) ids_.release_as_read();
+void RowStore::release_as_read() {
+    for (Spool* spool : {&ids_, &duplicates_, &lengths_}) spool->release_as_read();
+    for (Spool& array : arrays_) array.release_as_read();
+}
+
+void RowStore::rewind() {
+    for (Spool* spool : {&ids_, &duplicates_, &lengths_}) spool->rewind();
+    for (Spool& array : arrays_) array.rewind();
 }
 
 struct RowStore::Piece {

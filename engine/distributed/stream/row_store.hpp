@@ -54,8 +54,10 @@ public:
     // Adds the first `count` cells of the run. skipped: ascending; these get no row here, a later store has them.
     void add(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped);
 
-    // What has been read leaves the disk. verify: ids and statuses are read again.
-    void release_as_read(bool verify);
+    // From now on, what has been read leaves the disk.
+    void release_as_read();
+    // All is read from the start again.
+    void rewind();
 
     [[nodiscard]] std::uint64_t entries() const { return entries_; }
     [[nodiscard]] bool has_duplicates() const { return duplicates_.size() > 0; }

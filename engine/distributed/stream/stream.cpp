@@ -84,11 +84,13 @@ private:
               requests(seeds),
               pending(seeds),
               replies(seeds),
+              border(seeds),
               rows(layout, file, std::move(own)),
               pending_rows(layout, file, Spool(ids)) {
             for (Spool* read_once : {&halos, &requests, &pending, &replies}) read_once->release_as_read();
         }
         Spool tiles, halos, requests, pending, replies;
+        Spool border;  // rows of other blocks, to verify
         std::size_t halo_seeds = 0;
         RowStore rows, pending_rows;
     };
@@ -99,7 +101,7 @@ private:
         plain.progress = {};
         if (stream_.hull) plain.region.walls = intake_.hull_walls();
         domain_.emplace(std::move(plain), intake_.bounds(), intake_.seeds());
-        const Kind kind{of_blocks().want, is_periodic(), intake_.weighted(), intake_.singles()};
+        const Kind kind{of_blocks().want, is_periodic(), intake_.weighted(), intake_.singles(), stream_.verify};
         count_ = blocks_for(stream_.memory, intake_.seeds(), kind);
         result_.blocks = count_;
         const std::uint64_t needed = bytes_on_disk(intake_.seeds(), count_, kind);
@@ -143,6 +145,7 @@ private:
         all(spools_->ids[b], 1, seeds.ids);
         all(spools_->points[b], 3, seeds.points);
         all(spools_->weights[b], 1, seeds.weights);
+        tag(b, seeds);
         return seeds;
     }
 
@@ -161,8 +164,22 @@ private:
             ids.read(std::span(some.ids));
             points.read(std::span(some.points));
             weights.read(std::span(some.weights));
+            tag(b, some);
             task(some);
         }
+    }
+
+    // A proof needs to know the blocks of neighbors.
+    void tag(std::size_t b, Seeds& seeds) const {
+        if (stream_.verify) seeds.tags.assign(seeds.size(), static_cast<std::int32_t>(b));
+    }
+
+    // Keeps the rows of a block that others need for a proof: those of the first `count` cells.
+    void keep_border(std::size_t b, const blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped) {
+        if (!stream_.verify || !layout_->rows() || domain_->endless()) return;
+        const Rows rows{run.result.indptr, run.result.indices, run.result.shifts};
+        const std::vector<BorderRows> border = border_rows(run.seeds, rows, count, skipped, count_);
+        for (std::size_t to = 0; to < count_; ++to) put(blocks_[to].border, b, to_message(border[to]));
     }
 
     [[nodiscard]] blocks::Outline outline_of(std::size_t b) {
@@ -207,6 +224,7 @@ private:
             block.clip(std::move(others), b, std::move(halo));
             const auto count = static_cast<std::size_t>(spools_->counts[b]);
             const std::vector<std::uint32_t> skipped = skip_far(block.run(), count, block.pending());
+            keep_border(b, block.run(), count, skipped);
             domain_->complete(block.run().result);
             blocks_[b].rows.add(block.run(), count, skipped);
             for (std::size_t to = 0; to < count_; ++to) put(blocks_[to].requests, b, to_message(block.requests()[to]));
@@ -263,7 +281,8 @@ private:
     }
 
     void finish_pending() {
-        for (Block& block : blocks_) {
+        for (std::size_t b = 0; b < count_; ++b) {
+            Block& block = blocks_[b];
             for_messages(block.pending, [&](std::size_t, const Message& message) {
                 blocks::PendingCells pending;
                 read_message(message, pending);
@@ -277,6 +296,7 @@ private:
                 blocks::finish_pending(of_blocks(), pending, replies, run);
                 run.result.stats.exact_cells = 0;  // counted by clip()
                 const std::vector<std::uint32_t> skipped = skip_far(run, pending.cells.size(), {});
+                keep_border(b, run, pending.cells.size(), skipped);
                 domain_->complete(run.result);
                 block.pending_rows.ids().append(std::span<const std::int64_t>(pending.cells.ids));
                 block.pending_rows.add(run, pending.cells.size(), skipped);
@@ -319,7 +339,7 @@ private:
         }
         for (const auto& group : stores)
             for (RowStore* store : group) {
-                store->release_as_read(stream_.verify);
+                if (!stream_.verify) store->release_as_read();
                 head.entries += store->entries();
                 head.duplicates |= store->has_duplicates();
             }
@@ -360,6 +380,7 @@ private:
             share * static_cast<double>(stream_.memory) / (bytes_of_reply * static_cast<double>(count_ + 1));
         const std::size_t cells = sample_size(intake_.seeds(), count_, is_periodic());
         RowChecker::Sample sample;
+        sample.unproven = "";
         sample.max_cells = sample.first_round = std::max(min_sample, std::min(cells, static_cast<std::size_t>(room)));
         return sample;
     }
@@ -370,12 +391,39 @@ private:
         result_.verified = checker_->report();
     }
 
+    void for_proofs(const Prove& prove) override {
+        ThreadPool pool(given_.threads);
+        for (std::size_t b = 0; b < count_; ++b) {
+            stages_.at(blocks_checked_++, passes * count_);
+            system::give_back_memory();
+            if (spools_->counts[b] == 0) continue;
+            Block& block = blocks_[b];
+            BorderRows border;
+            block.border.rewind();
+            for_messages(block.border, [&](std::size_t, const Message& message) {
+                BorderRows some;
+                read_message(message, some);
+                border.add(some);
+            });
+            Seeds own = seeds_of(b);
+            const std::vector<std::int64_t> ids = own.ids;
+            StreamHead head;
+            head.seeds = ids.size();
+            head.duplicates = block.rows.has_duplicates();
+            prove(std::move(own), border, [&](const Visit& visit) {
+                Assembler assembler(*layout_, head, {{&block.rows}, {&block.pending_rows}}, pool, ids);
+                while (assembler.first() < head.seeds) visit(assembler.next(rows_to_prove), {});
+            });
+        }
+    }
+
     // Is called twice, to find the seeds of the sample and to clip their cells.
     void for_blocks(const std::function<void(Seeds)>& task) override {
         for (std::size_t b = 0; b < count_; ++b) {
-            stages_.at(blocks_checked_++, 2 * count_);
+            stages_.at(blocks_checked_++, passes * count_);
             system::give_back_memory();
-            const Seeds all = seeds_of(b);
+            Seeds all = seeds_of(b);
+            all.tags = {};
             Spool& spool = blocks_[b].rows.of(Layout::status);
             spool.rewind();
             const auto status = spool.read_rest<CellStatus>();
@@ -385,6 +433,10 @@ private:
             task(std::move(seeds));
         }
     }
+
+    // Over all blocks: at most three for a proof, and two for a sample.
+    static constexpr std::uint64_t passes = 5;
+    static constexpr std::size_t rows_to_prove = std::size_t{1} << 14;  // at once in a stream of them
 
     StreamSink& sink_;
     const Settled& given_;

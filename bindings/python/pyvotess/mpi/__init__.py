@@ -83,8 +83,9 @@ class MpiTessellation(RowArrays):
     ) -> VerifyReport:
         """Verifies the cells of all ranks, as :meth:`Tessellation.verify`. Collective: every rank of ``comm`` calls it.
 
-        Volumes must sum to the box, lists must be symmetric across ranks, Euler's formula must hold, and a sample of all
-        cells must equal cells that are clipped again by every seed. The report is equal on all ranks.
+        Volumes must sum to the box, lists must be symmetric across ranks, and Euler's formula must hold. Without ``sample``
+        all cells are proven. With it, and in a domain without end, a sample of all cells must equal cells that are clipped
+        again by every seed. The report is equal on all ranks.
 
         Parameters
         ----------
