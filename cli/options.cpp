@@ -459,11 +459,11 @@ when the run ends)",
          {.needs = Needs::one_machine, .with = "--memory"}},
         {"--verify",
          R"(check the result: volume sum, symmetry of the neighbors, Euler's formula,
-and each cell by exact signs around it, which proves all neighbors. Where
-there is no such proof (--only, --mesh, --min-face, --min-area; --memory or
-ranks in a domain without end) a sample is compared with every point, in
-about a second: at least 64 cells, or all. The summary tells which it was.
-If a check fails, no file is written and the exit code is 3)",
+and each cell by exact signs around it, which proves all neighbors. Few
+cells of --only are compared with every point, and with --memory or ranks
+in a domain without end a sample of at least 64. In --mesh the whole cells
+are proven. The summary tells which it was. If a check fails, no file is
+written and the exit code is 3)",
          {.brief = "check the result; exit code 3 if that fails", .needs = Needs::cells}},
         {"", "tuning: changes speed and memory, never the answer"},
         {"-t, --threads N",

@@ -834,7 +834,8 @@ bool KeptCells::meets_walls() {
 bool KeptCells::covers_once() {
     if (!meets_walls()) return false;
     std::vector<std::size_t>& over = over_;
-    std::erase_if(over, [&](std::size_t s) { return !is_still(s); });  // no other still cell is over it
+    // No other still cell is over it.
+    std::erase_if(over, [&](std::size_t s) { return !is_kept(s) || is_hidden(s) || !is_still(s); });
     for (const Worker& worker : workers_) over.insert(over.end(), worker.over_point.begin(), worker.over_point.end());
     std::ranges::sort(over);
     const auto repeated = std::ranges::unique(over);

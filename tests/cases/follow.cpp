@@ -176,6 +176,27 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("follow: the weight of one seed hides others that stay") {
+        for (int set = 0; set < 20; ++set) {  // each of few seeds is over the point of the count at some time
+            CAPTURE(set);
+            Moving m(7);
+            test::Random random(300 + static_cast<std::uint64_t>(set));
+            for (double& x : m.points) x = random.uniform();
+            std::vector<double> weights(7);
+            for (double& weight : weights) weight = random.uniform(0, 0.03);
+            for (std::size_t heavy = 0; heavy < 7; ++heavy) {
+                m.options.weights = weights;
+                CHECK(m.call() >= 0);
+                CHECK(m.call() >= 0);
+                std::vector<double> changed = weights;
+                changed[heavy] += random.uniform(0.1, 0.2);
+                m.options.weights = changed;
+                CHECK(m.call() >= 0);
+                CHECK(m.call() >= 0);
+            }
+        }
+    }
+
     // All seeds that are surely hidden are left out, which takes less time.
     TEST_CASE("follow: nothing is kept where most seeds are surely hidden") {
         Moving m(5000);

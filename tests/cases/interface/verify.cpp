@@ -523,6 +523,26 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("verify sees that none of some seeds, all outside, has a cell") {
+        const test::PointSet set = test::uniform(30, 118);
+        votess::Options options;
+        options.device = "cpu";
+        options.box = test::cube(0.25, 0.75);
+        options.outside = votess::Outside::drop;
+        options.want = {.neighbors = true, .volumes = false};
+        std::vector<std::int64_t> ids;
+        for (std::size_t i = 0; i < set.size() && ids.size() < 3; ++i)
+            if (set.points[3 * i] < 0.25) ids.push_back(static_cast<std::int64_t>(i));
+        options.only = ids;
+        const auto t = votess::tessellate(std::span<const double>(set.points), options);
+        CHECK(votess::verify(t, set.points).failure == "");
+        auto& status = const_cast<votess::CellStatus&>(t.status()[0]);
+        for (const auto wrong : {votess::CellStatus::empty, votess::CellStatus::certified}) {
+            status = wrong;
+            CHECK_FALSE(votess::verify(t, set.points).passed);
+        }
+    }
+
     TEST_CASE("verify passes results without cells") {
         CHECK(votess::verify(votess::Tessellation(), {}).passed);
         CHECK(votess::count_tiny_faces(votess::Tessellation(), {}) == 0);
