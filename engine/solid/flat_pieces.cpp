@@ -140,16 +140,25 @@ private:
         }
         ring.resize(out + 1);
     }
-    // Ties leave edges whose ends are at one place. Near ties leave edges so short that rounding turns them around:
-    // then the edges before and after cross.
+    // Ties leave edges whose ends are at one place. Near ties leave edges as short as the errors of corners, which
+    // rounding turns around: then the edges before and after cross.
     void drop_short_edges(Ring& ring) const {
+        constexpr double of_extent = 0x1p-40, of_coordinate = 0x1p-50;
         const auto close = [&] {
             for (std::size_t e = 0; e < ring.size(); ++e) ring[e].to = ring[(e + 1) % ring.size()].from;
         };
         std::erase_if(ring, [&](const OutlineEdge& edge) { return place(edge.from) == place(edge.to); });
         close();
+        double extent = 0, coordinate = 0;
+        for (const OutlineEdge& edge : ring)
+            for (std::size_t k = 0; k < 2; ++k) {
+                extent = std::max(extent, std::abs(place(edge.from)[k] - place(ring.front().from)[k]));
+                coordinate = std::max(coordinate, std::abs(place(edge.from)[k]));
+            }
+        const double error = of_extent * extent + of_coordinate * coordinate;
         for (std::size_t e = 0; e < ring.size();) {
-            if (!cross(ring[(e + ring.size() - 1) % ring.size()], ring[(e + 1) % ring.size()])) {
+            if (length({ring[e]}) > error ||
+                !cross(ring[(e + ring.size() - 1) % ring.size()], ring[(e + 1) % ring.size()])) {
                 ++e;
                 continue;
             }

@@ -265,6 +265,19 @@ class Polygons(unittest.TestCase):
                 for (a, b), (c, d) in itertools.combinations(zip(corners, corners[1:] + corners[:1]), 2):
                     self.assertFalse(turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0)
 
+    def test_rings_keep_the_area_where_an_inward_corner_touches_a_side(self):
+        """Two long edges beside a long one cross by their last digits."""
+        outline = [(1.9900083305560516, 0.1996668332936563), (0.7953373319843695, 2.08984174720288), (0.5956704986907132, 4.079850077758931),
+                   (1.6905080806155672, 3.184679329127734), (2.585678829246765, 4.279516911052588), (3.580682994524791, 4.379350327699416)]
+        points = [(0.6455872070141273, 3.5823479951199184), (1.2928394146233826, 2.139758455526294), (3.730433119495033, 2.886844079782377)]
+        for turned in np.linspace(0, 1, 12):
+            axes = np.array([(np.cos(turned), np.sin(turned)), (-np.sin(turned), np.cos(turned))])
+            mesh = {"type": "Polygon", "coordinates": [(np.array(outline)[::-1] @ axes).tolist()]}
+            pieces = vt.tessellate(points @ axes, mesh=mesh).pieces()
+            for k in range(len(pieces)):
+                x, y = np.transpose([np.asarray(corner) for ring in pieces.rings(k)[:1] for corner in ring])
+                self.assertAlmostEqual(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y), pieces.volumes[k], 12)
+
     def test_corners_of_polygons_keep_their_places(self):
         outline = [(0.1, 0.3), (3.7, 0.2), (4.1, 2.9), (0.7, 3.3)]
         pieces = vt.tessellate([(0.9, 0.9), (3.1, 1.7)], mesh={"type": "Polygon", "coordinates": [outline]}).pieces()
