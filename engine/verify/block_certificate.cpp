@@ -220,14 +220,7 @@ BlockProof BlockCertificate::prove() {
     return std::move(proof_);
 }
 
-void HiddenCuts::add(const HiddenCuts& others) {
-    excluded.insert(excluded.end(), others.excluded.begin(), others.excluded.end());
-    left.insert(left.end(), others.left.begin(), others.left.end());
-    counts.insert(counts.end(), others.counts.begin(), others.counts.end());
-    by.add(others.by);
-}
-
-HiddenCuts BlockCertificate::cut_hidden(const Seeds& hidden, bool all) {
+std::vector<std::int64_t> BlockCertificate::find_excluded(const Seeds& hidden) {
     complete();
     std::vector<std::int32_t> numbers;
     for (std::size_t k = 0; k < hidden.size(); ++k) {
@@ -237,15 +230,11 @@ HiddenCuts BlockCertificate::cut_hidden(const Seeds& hidden, bool all) {
         seeds_.add(hidden, k);
         rows_.status.push_back(CellStatus::empty);
     }
-    HiddenCuts found;
-    for (const auto& cut :
-         with_certificate([&](Certificate& certificate) { return certificate.cut_hidden(numbers, all); })) {
-        (cut.excluded ? found.excluded : found.left).push_back(seeds_.ids[at(cut.seed)]);
-        if (cut.excluded) continue;
-        found.counts.push_back(cut.by.size());
-        for (const std::int32_t i : cut.by) found.by.add(seeds_, at(i));
-    }
-    return found;
+    std::vector<std::int64_t> excluded;
+    for (const std::int32_t i :
+         with_certificate([&](Certificate& certificate) { return certificate.find_excluded(numbers); }))
+        excluded.push_back(seeds_.ids[at(i)]);
+    return excluded;
 }
 
 }  // namespace votess

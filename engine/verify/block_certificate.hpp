@@ -51,16 +51,6 @@ struct BlockProof {
     void check_volume(double domain);
 };
 
-// What seeds of some blocks leave of seeds without a cell.
-struct HiddenCuts {
-    std::vector<std::int64_t> excluded;  // nothing
-    std::vector<std::int64_t> left;      // something
-    std::vector<std::uint64_t> counts;   // of these: how many seeds cut it
-    Seeds by;                            // the seeds, one after the other
-    static auto parts(auto& cuts) { return std::tie(cuts.excluded, cuts.left, cuts.counts, cuts.by); }
-    void add(const HiddenCuts& others);
-};
-
 class BlockCertificate {
 public:
     // own: the seeds of the block, also those without a cell. border: from all other blocks.
@@ -69,8 +59,8 @@ public:
     void add(const StreamRows& rows);
     // Call one of these once, after the last row. They throw `cancelled`.
     [[nodiscard]] BlockProof prove();
-    // Returns what seeds of this block leave of those without a cell, of any block: as Certificate::cut_hidden().
-    [[nodiscard]] HiddenCuts cut_hidden(const Seeds& hidden, bool all);
+    // Returns the ids of the seeds, of any block, that cells of this block exclude.
+    [[nodiscard]] std::vector<std::int64_t> find_excluded(const Seeds& hidden);
 
 private:
     void add_entry(std::size_t cell, std::int64_t id, std::span<const std::int8_t> shift);

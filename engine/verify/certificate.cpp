@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <iterator>
 #include <string>
 
 #include "core/at.hpp"
@@ -1131,22 +1130,20 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
     w.open.push_back(static_cast<std::int32_t>(i));
 }
 
-std::vector<Certificate::Cut> Certificate::cut_hidden(std::span<const std::int32_t> hidden, bool all) {
+std::vector<std::int32_t> Certificate::find_excluded(std::span<const std::int32_t> hidden) {
     pool_.run((hidden.size() + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
         check_stop();
         Worker& w = *workers_[worker];
         const std::size_t begin = piece * cells_at_once, end = std::min(hidden.size(), begin + cells_at_once);
         for (const std::int32_t i : hidden.subspan(begin, end - begin)) {
             if (!is_live(w.owner)) w.owner = first_live();
-            if (!is_live(w.owner) || !(all || has_row(owner_of(w, at(i), {}).id))) continue;
-            Cut& cut = w.cuts.emplace_back(Cut{i, is_excluded(w, at(i)), {}});
-            for (const Name& name : w.polytope.names())
-                if (name.id >= 0 && name.id != i && !cut.excluded) cut.by.push_back(name.id);
+            const bool is_here = is_live(w.owner) && has_row(owner_of(w, at(i), {}).id);
+            if (is_here && is_excluded(w, at(i))) w.excluded.push_back(i);
         }
     });
-    std::vector<Cut> cuts;
-    for (const auto& w : workers_) std::ranges::move(w->cuts, std::back_inserter(cuts));
-    return cuts;
+    std::vector<std::int32_t> excluded;
+    for (const auto& w : workers_) excluded.insert(excluded.end(), w->excluded.begin(), w->excluded.end());
+    return excluded;
 }
 
 // Condition 3.

@@ -100,15 +100,9 @@ public:
                 const Part& part = {});
     // Proves all cells on all threads. Throws `cancelled`.
     [[nodiscard]] Verdict prove();
-    // A seed without a cell, and those that cut what it would have. `excluded`: until nothing is left.
-    struct Cut {
-        std::int32_t seed;
-        bool excluded;
-        std::vector<std::int32_t> by;
-    };
-    // Cuts these seeds without a cell by cells of a part: those that lie in cells with rows, or all. Throws
-    // `cancelled`.
-    [[nodiscard]] std::vector<Cut> cut_hidden(std::span<const std::int32_t> hidden, bool all);
+    // Returns which of these seeds without a cell, as far as they lie in cells with rows, cells of a part exclude.
+    // Throws `cancelled`.
+    [[nodiscard]] std::vector<std::int32_t> find_excluded(std::span<const std::int32_t> hidden);
     // Tries to prove all cells from polygons, with what cells share proven once. Rows need not ascend nor be symmetric.
     // Returns no verdict unless it is `proven`. Call it before prove(), of another object. Throws `cancelled`.
     [[nodiscard]] std::optional<Verdict> prove_shared();
@@ -131,11 +125,10 @@ private:
         double volume = 0, doubt = 0;
         std::size_t covering = 0;  // other cells that may hold place_
         Fault fault, unsettled;
-        std::int32_t owner = -1;         // a live seed from which to look for others
-        std::vector<std::int32_t> open;  // seeds without a cell
-        std::vector<Cut> cuts;
-        struct PlaneName {          // what a plane adds to the name of a corner
-            std::uint64_t sum = 0;  // of numbers of seeds and walls
+        std::int32_t owner = -1;                   // a live seed from which to look for others
+        std::vector<std::int32_t> open, excluded;  // seeds without a cell
+        struct PlaneName {                         // what a plane adds to the name of a corner
+            std::uint64_t sum = 0;                 // of numbers of seeds and walls
             std::uint32_t seeds = 0, before = 0;
             std::uint64_t random = 0, shift = 0, products = 0, squares = 0;  // of seeds
         };

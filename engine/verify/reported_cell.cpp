@@ -171,10 +171,6 @@ std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, st
     return replies;
 }
 
-bool leave_nothing(const CheckedRun& run, const Seeds& seeds, std::int64_t id) {
-    return Clipper(run.settled, seeds).clip(place_of(id, seeds.ids));
-}
-
 Fault first_difference(const CheckedRun& run, std::span<const ReportedCell> cells, const Seeds& seeds,
                        std::span<const Message> replies) {
     std::vector<Seeds> around(cells.size());

@@ -102,9 +102,6 @@ struct Fault {
 std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, std::span<const Message> requests,
                                    double& work);
 
-// Whether some seeds, ascending by id, leave no cell of one of them.
-[[nodiscard]] bool leave_nothing(const CheckedRun& run, const Seeds& seeds, std::int64_t id);
-
 // Compares reported cells with those that the replies of all blocks leave. seeds: of the cells, in their order.
 Fault first_difference(const CheckedRun& run, std::span<const ReportedCell> cells, const Seeds& seeds,
                        std::span<const Message> replies);

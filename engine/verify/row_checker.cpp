@@ -282,50 +282,41 @@ void RowChecker::prove(VerifyReport& report) {
         read_message(message, some);
         all.merge(std::move(some));
     }
-    exclude_open(all);
+    exclude_open(own.open, all);
     all.check_volume(run_.domain_volume);
     report.failure = all.fault.text;
     report.unproven = all.unsettled.text;
     report.proven = report.failure.empty() && report.unproven.empty();
 }
 
-// Seeds without a cell may be far away from the cells of their block. So cells of the blocks in which they lie are
-// tried, then what seeds of all blocks cut.
-void RowChecker::exclude_open(BlockProof& proof) {
-    if (!proof.fault.text.empty() || !proof.unsettled.text.empty()) return;
-    for (const bool all : {false, true}) {
-        if (proof.open.size() == 0) return;
-        HiddenCuts own, cuts;
-        if (proof.open.size() <= max_open)
-            blocks_.for_proofs([&](Seeds seeds, const BorderRows& border, const RunBlocks::RowsOf& rows) {
-                BlockCertificate certificate(run_, std::move(seeds), border);
-                rows([&](const StreamRows& some, const RowNames&) { certificate.add(some); });
-                own.add(certificate.cut_hidden(proof.open, all));
-            });
-        for (const Message& message : blocks_.gather_all(message_of(own))) {
-            HiddenCuts some;
-            read_message(message, some);
-            cuts.add(some);
-        }
-        std::vector<Seeds> around(proof.open.size());  // the seeds that cut each
-        const Seeds open = proof.open.sorted();
-        std::size_t next = 0;
-        for (std::size_t k = 0; k < cuts.left.size(); ++k)
-            for (std::uint64_t c = 0; c < cuts.counts[k]; ++c)
-                around[place_of(cuts.left[k], open.ids)].add(cuts.by, next++);
-        std::ranges::sort(cuts.excluded);
-        proof.open = {};
-        for (std::size_t k = 0; k < open.size(); ++k) {
-            if (std::ranges::binary_search(cuts.excluded, open.ids[k])) continue;
-            around[k].add(open, k);
-            if (!all || !leave_nothing(run_, around[k].sorted(), open.ids[k])) proof.open.add(open, k);
-        }
-    }
-    if (proof.open.size() > 0)
-        proof.unsettled.note(proof.open.ids.front(), [&] {
-            return "seed " + std::to_string(proof.open.ids.front()) +
-                   " has no cell, and no few others were found that exclude it";
+// Seeds without a cell may be far away from the cells of their block. So cells of other blocks exclude them, or at last
+// all seeds. own: the open ones of this rank.
+void RowChecker::exclude_open(const Seeds& own, BlockProof& proof) {
+    if (proof.open.size() == 0 || !proof.fault.text.empty() || !proof.unsettled.text.empty()) return;
+    std::vector<std::int64_t> excluded;
+    if (proof.open.size() <= max_open)
+        blocks_.for_proofs([&](Seeds seeds, const BorderRows& border, const RunBlocks::RowsOf& rows) {
+            BlockCertificate certificate(run_, std::move(seeds), border);
+            rows([&](const StreamRows& some, const RowNames&) { certificate.add(some); });
+            const std::vector<std::int64_t> some = certificate.find_excluded(proof.open);
+            excluded.insert(excluded.end(), some.begin(), some.end());
         });
+    excluded = gathered(blocks_, excluded);
+    std::ranges::sort(excluded);
+    std::vector<std::int64_t> left;
+    for (const std::int64_t id : proof.open.ids)
+        if (!std::ranges::binary_search(excluded, id)) left.push_back(id);
+    if (left.empty()) return;
+    if (left.size() > sample_size(run_.seeds, 1, run_.settled.region.is_periodic()))
+        return proof.unsettled.note(left.front(), [&] {
+            return std::to_string(left.size()) +
+                   " seeds have no cell, and for so many no cells of one block were found that exclude them";
+        });
+    std::vector<ReportedCell> cells;
+    for (const std::int64_t id : own.ids)
+        if (!std::ranges::binary_search(excluded, id)) cells.push_back({id, true, false, {}, {}});
+    double work = 0;
+    proof.fault = try_cells(cells, own.sorted(), work);
 }
 
 std::size_t RowChecker::combine() {

@@ -117,7 +117,7 @@ private:
     [[nodiscard]] std::string check_symmetry(std::size_t ranks);
     // Proves all cells, or says why not.
     void prove(VerifyReport& report);
-    void exclude_open(BlockProof& proof);
+    void exclude_open(const Seeds& own, BlockProof& proof);
     [[nodiscard]] Seeds seeds_of_sample();
     [[nodiscard]] std::string check_sample(std::size_t& sampled);
     [[nodiscard]] Fault try_cells(std::span<const ReportedCell> cells, const Seeds& named, double& work);
