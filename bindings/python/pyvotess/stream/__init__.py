@@ -174,8 +174,9 @@ def tessellate_stream(
         run.
     domain : as for :func:`tessellate`, or its short forms; no mesh.
     memory : bytes that the run may use in addition to the pieces; at least 1,000,000.
-    temporary : folder of the temporary files, which have no names and vanish with the run. They take about 105 bytes
-        for each point with neighbors and volumes, 25 with volumes alone where float32 holds the coordinates. Default: TMPDIR of the environment, or /tmp.
+    temporary : folder of the temporary files, which have no names and vanish with the run. They take about 80 bytes
+        for each point with neighbors and volumes, 95 with ``verify``, 25 with volumes alone where float32 holds the
+        coordinates. Default: TMPDIR of the environment, or /tmp.
     beside : "weights" or "radii": each piece is a pair (points, numbers), for a power diagram.
     verify : verify all cells as :meth:`Tessellation.verify` while ``rows`` gets them. The report is ``verified`` of the
         result.
