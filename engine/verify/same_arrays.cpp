@@ -152,12 +152,13 @@ namespace {
 // A part of a result beside the whole; see difference_from_whole().
 class PartOfWhole {
 public:
-    PartOfWhole(const Result& part, const Result& whole, double spacing, double tolerance)
-        : part_(part), whole_(whole), spacing_(spacing), tolerance_(tolerance), components_(part.planar ? 2 : 3) {}
+    PartOfWhole(const Result& part, const Result& whole, double tolerance)
+        : part_(part), whole_(whole), tolerance_(tolerance), components_(part.planar ? 2 : 3) {}
 
     // Returns which array of a row differs from that of seed i, "" for none.
-    [[nodiscard]] std::string_view difference(std::size_t row, std::size_t i) const {
+    [[nodiscard]] std::string_view difference(std::size_t row, std::size_t i) {
         std::size_t dropped = 0;
+        size_ = 0.5 * whole_.security_radii[i];
         if (!part_.indptr.empty())
             if (const std::string_view name = of_entries(row, i, dropped); !name.empty()) return name;
         if (const std::string_view name = of_vertices(row, i); !name.empty()) return name;
@@ -171,7 +172,7 @@ public:
                 expected.empty() ? false
                 : counts_faces ? static_cast<std::size_t>(given[row]) + dropped == static_cast<std::size_t>(expected[i])
                                : same_at(given, row, expected, i, components_of(array, part_.planar),
-                                         least_scale(array, spacing_, part_.planar), tolerance_);
+                                         least_scale(array, size_, part_.planar), tolerance_);
             if (!equal) differs = array.name;
         });
         return differs;
@@ -181,7 +182,7 @@ private:
     [[nodiscard]] bool same_place(std::int32_t given, std::int32_t expected) const {
         if (given < 0 || expected < 0) return given == expected;  // at infinity
         return same_at(part_.vertices, static_cast<std::size_t>(given), whole_.vertices,
-                       static_cast<std::size_t>(expected), components_, spacing_, tolerance_);
+                       static_cast<std::size_t>(expected), components_, size_, tolerance_);
     }
 
     // Goes along both rows. The whole one may have more faces, those below the limit: next to it both are right.
@@ -214,7 +215,7 @@ private:
             const auto &given = array.of(part_), &expected = array.of(whole_);
             if (array.per != Per::entry || given.empty() || !differs.empty()) return;
             if (!same_at(given, entry, expected, e, components_of(array, part_.planar),
-                         least_scale(array, spacing_, part_.planar), tolerance_))
+                         least_scale(array, size_, part_.planar), tolerance_))
                 differs = array.name == "shifts" ? "neighbors" : array.name;
         });
         if (!differs.empty() || part_.face_offsets.empty()) return differs;
@@ -255,14 +256,15 @@ private:
     }
 
     const Result &part_, &whole_;
-    double spacing_, tolerance_;
+    double tolerance_;
     std::size_t components_;
+    double size_ = 0;  // of the cell: the distance to its farthest vertex
 };
 
 }  // namespace
 
-std::string difference_from_whole(const Result& part, const Result& whole, const Points& points, double tolerance) {
-    const PartOfWhole pair(part, whole, spacing_of(points, part.planar ? 2 : 3), tolerance);
+std::string difference_from_whole(const Result& part, const Result& whole, double tolerance) {
+    PartOfWhole pair(part, whole, tolerance);
     for (std::size_t row = 0; row < part.status.size(); ++row) {
         const std::size_t i = part.is_subset ? static_cast<std::size_t>(part.ids[row]) : row;
         const std::string_view name = pair.difference(row, i);

@@ -17,9 +17,9 @@ namespace votess {
 // seeds, domain and subset.
 [[nodiscard]] std::string difference_from_second_run(const detail::Result& result, Settled again, double tolerance);
 
-// Compares a result of some cells, or without small faces or rows, with a run of all cells and faces, whose rows are
-// there. Returns a text as difference_from_second_run() does. points: of both runs.
+// Compares a result of some cells, or without small faces or rows, with a run of all cells and faces, whose rows and
+// security radii are there. Returns a text as difference_from_second_run() does.
 [[nodiscard]] std::string difference_from_whole(const detail::Result& part, const detail::Result& whole,
-                                                const Points& points, double tolerance);
+                                                double tolerance);
 
 }  // namespace votess

@@ -578,7 +578,7 @@ VerifyReport verify_by_whole(const Tessellation& t, const Result& result, Settle
     const Points points = second.points;
     second.subset.reset();
     second.list_walls = t.lists_walls();
-    second.want = {.neighbors = true, .volumes = false, .areas = t.least_face() > 0};
+    second.want = {.neighbors = true, .volumes = false, .areas = t.least_face() > 0, .radii = true};
     detail::for_arrays([&](const auto& array) {
         if (array.word != nullptr && !array.of(result).empty()) second.want.*array.word = true;
     });
@@ -588,7 +588,7 @@ VerifyReport verify_by_whole(const Tessellation& t, const Result& result, Settle
         report.failure = "in a run of all cells: " + report.failure;
         return report;
     }
-    report.failure = difference_from_whole(result, detail::result_of(whole), points, tolerance_of(t));
+    report.failure = difference_from_whole(result, detail::result_of(whole), tolerance_of(t));
     report.passed = report.failure.empty();
     if (t.is_subset() || t.stats().tiny_faces) report.tiny_faces = t.stats().tiny_faces;
     return report;

@@ -67,10 +67,12 @@ public:
         together([&] {
             for (std::size_t i = 0; i < result_.ids.size(); ++i) own.add(result_.ids[i], points_, result_.weights, i);
         });
-        const Seeds others = neighbors_of(own);
+        Seeds others = neighbors_of(own);
         const std::vector<Message> from = ranks_.exchange(border_for_others(own, others));
         together([&] {
             BorderRows border;
+            others.tags = {};
+            border.seeds = std::move(others);  // those of duplicates, too
             for (const Message& message : from) {
                 BorderRows some;
                 read_message(message, some);

@@ -523,6 +523,31 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("verify compares each cell of a tight cluster with its own size") {
+        test::Random random(119);
+        test::Coordinates points;
+        for (int i = 0; i < 600; ++i) points.push_back(0.5 + 1e-6 * random.uniform());
+        for (const bool drops : {false, true}) {
+            votess::Options options;
+            options.device = "cpu";
+            options.box = test::unit_box();
+            options.want = {.neighbors = drops, .volumes = true, .surfaces = true};
+            options.min_area = drops ? 1e-15 : 0;
+            const auto t = votess::tessellate(std::span<const double>(points), options);
+            CHECK(votess::verify(t, points).proven);
+            std::size_t smallest = 0;
+            for (std::size_t i = 0; i < t.size(); ++i)
+                if (t.volumes()[i] < t.volumes()[smallest]) smallest = i;
+            for (const auto values : {t.volumes(), t.surface_areas()}) {
+                double& value = const_cast<double&>(values[smallest]);
+                const double right = value;
+                value *= 1.001;
+                CHECK_FALSE(votess::verify(t, points).passed);
+                value = right;
+            }
+        }
+    }
+
     TEST_CASE("verify sees that none of some seeds, all outside, has a cell") {
         const test::PointSet set = test::uniform(30, 118);
         votess::Options options;
