@@ -148,7 +148,7 @@ int run_comparison(const Settings& settings, const Peers& peers, const std::vect
         for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : settings.sizes) {
             const Input input = make_input(name, n, settings.rng_seed);
             for (const std::string& want_name : settings.wants) {
-                const Want want = want_name == "full" ? Want::full : Want::neighbors;
+                const Want want = want_of(want_name);
                 if (want == Want::full && name != "uniform" && settings.only_uniform_full) {
                     continue;
                 }
@@ -265,8 +265,10 @@ int main(int argc, char** argv) try {
         ->check(CLI::ExistingFile);
     app.add_option("--threads", s.threads,
                    "threads of votess on the CPU, 0 = all; beside a device the largest number; the peers use one");
-    app.add_option("--want", s.wants, "neighbors, or full: volumes, centroids and face areas too")
-        ->check(CLI::IsMember({"neighbors", "full"}));
+    app.add_option(
+           "--want", s.wants,
+           "neighbors; full: volumes, centroids and face areas too; proof: the program's own check of neighbors")
+        ->check(CLI::IsMember({"neighbors", "full", "proof"}));
     auto* peers =
         app.add_option("--peers", s.peers, "besides votess; default: all found")->check(CLI::IsMember(peer_names));
     auto* devices =

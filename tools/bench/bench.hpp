@@ -47,8 +47,14 @@ Input make_input(std::string_view name, std::size_t n, std::uint64_t rng_seed);
 // Reads text, a point a line: x y z or id x y z, '#' begins a comment. The box is the default of votess.
 Input read_points(const std::string& path);
 
-enum class Want { neighbors, full };  // full: volumes, centroids and face areas too
+enum class Want {
+    neighbors,
+    full,   // volumes, centroids and face areas too
+    proof,  // neighbors, of which only the time of the program's own check counts
+};
 std::string_view name_of(Want want);
+// Returns the want with that name, one of the three.
+Want want_of(std::string_view name);
 
 // Sums of a peer's result, so that it cannot win by computing less.
 struct Answer {

@@ -95,7 +95,11 @@ std::string stages_json(const std::vector<votess::StageSeconds>& runs) {
 }
 
 std::string_view name_of(Want want) {
-    return want == Want::full ? "full" : "neighbors";
+    return want == Want::full ? "full" : want == Want::proof ? "proof" : "neighbors";
+}
+
+Want want_of(std::string_view name) {
+    return name == "full" ? Want::full : name == "proof" ? Want::proof : Want::neighbors;
 }
 
 void print_table(const std::vector<Measurement>& group) {

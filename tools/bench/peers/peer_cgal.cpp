@@ -6,6 +6,8 @@
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 #include <CGAL/version.h>
 
+#include <stdexcept>
+
 #include "bench.hpp"
 
 namespace bench {
@@ -20,12 +22,10 @@ class Cgal final : public Peer {
 public:
     [[nodiscard]] std::string name() const override { return "cgal"; }
     [[nodiscard]] std::string version() const override { return CGAL_STR(CGAL_VERSION); }
-    [[nodiscard]] bool can(const Input& input, Want want) const override {
-        return input.plain() && want == Want::neighbors;
-    }
+    [[nodiscard]] bool can(const Input& input, Want want) const override { return input.plain() && want != Want::full; }
     [[nodiscard]] bool bounded(const Input&) const override { return false; }
 
-    [[nodiscard]] Answer run(const Input& input, Want, unsigned) const override {
+    [[nodiscard]] Answer run(const Input& input, Want want, unsigned) const override {
         // Copied into CGAL's own type before the clock starts, as a user of CGAL would have them.
         std::vector<std::pair<Kernel::Point_3, std::int32_t>> points;
         points.reserve(input.size());
@@ -42,7 +42,10 @@ public:
             pairs.emplace_back(edge->first->vertex(edge->second)->info(), edge->first->vertex(edge->third)->info());
         }
         const Rows rows = rows_from_pairs(input.size(), pairs);
-        return {stopwatch.seconds(), rows.indices.size(), 0};
+        if (want == Want::neighbors) return {stopwatch.seconds(), rows.indices.size(), 0};
+        const Stopwatch checking;
+        if (!delaunay.is_valid()) throw std::runtime_error("is_valid() fails");
+        return {checking.seconds(), rows.indices.size(), 0};
     }
 };
 

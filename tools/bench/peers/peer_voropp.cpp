@@ -132,8 +132,8 @@ public:
     [[nodiscard]] std::string name() const override { return "voro++"; }
     [[nodiscard]] std::string version() const override { return "0.4"; }  // its headers have no more digits
     // It takes radii, whose squares are the weights, and no weights.
-    [[nodiscard]] bool can(const Input& input, Want) const override {
-        return input.weights.empty() && input.walls.empty();
+    [[nodiscard]] bool can(const Input& input, Want want) const override {
+        return want != Want::proof && input.weights.empty() && input.walls.empty();
     }
 
     [[nodiscard]] Answer run(const Input& input, Want want, unsigned) const override {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "bench.hpp"
@@ -41,7 +42,11 @@ public:
         options.instructions = instructions_;
         const Stopwatch stopwatch;
         const votess::Tessellation t = votess::tessellate(input.points, options);
-        return answer_of(t, stopwatch.seconds());
+        if (want != Want::proof) return answer_of(t, stopwatch.seconds());
+        const Stopwatch checking;
+        const votess::VerifyReport report = votess::verify(t, input.points);
+        if (!report.proven) throw std::runtime_error("not proven: " + report.failure + report.unproven);
+        return answer_of(t, checking.seconds());
     }
 
 private:
@@ -61,7 +66,7 @@ public:
         return std::string(VOTESS_VERSION_STRING) + " on " + info_.name +
                (info_.description.empty() ? "" : " (" + info_.description + ")");
     }
-    [[nodiscard]] bool can(const Input&, Want) const override { return true; }
+    [[nodiscard]] bool can(const Input&, Want want) const override { return want != Want::proof; }
     // The CPU's share, cells that the device leaves to it, is as quick as allowed.
     [[nodiscard]] std::vector<unsigned> threads(const std::vector<unsigned>& asked) const override {
         return {*std::max_element(asked.begin(), asked.end())};
