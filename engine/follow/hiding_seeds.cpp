@@ -10,8 +10,8 @@ namespace {
 
 using Way = std::array<double, 3>;
 
-constexpr std::size_t max_skipped = 64;  // seeds without a cell, before the first one with
-constexpr int max_steps = 32;
+constexpr std::size_t max_seeds_without = 64;  // seeds without a cell, before the first one with
+constexpr int max_cells_on_way = 32;
 
 Way difference(const SignFrame& frame, std::size_t from, std::size_t to, const NearShift& shift) {
     Way way;
@@ -37,13 +37,13 @@ bool add(NearShift& to, const NearShift& shift) {
 bool find_hiding_seeds(const SignFrame& frame, std::span<std::byte* const> cells, std::size_t seed,
                        std::span<std::byte, hiding_bytes> out) {
     std::size_t at = seed;
-    for (std::size_t away = 1; away <= max_skipped && cells[at] == nullptr; ++away) {
+    for (std::size_t away = 1; away <= max_seeds_without && cells[at] == nullptr; ++away) {
         if (seed >= away) at = seed - away;
         if (cells[at] == nullptr && seed + away < cells.size()) at = seed + away;
     }
     NearShift shift{};  // of that seed, from the hidden one
     std::array<Way, CellShape::max_planes> way;
-    for (int step = 0; step < max_steps; ++step) {
+    for (int step = 0; step < max_cells_on_way; ++step) {
         const KeptCell cell(cells[at]);
         if (!cell.exists()) return false;
         const auto ids = cell.ids();
