@@ -722,9 +722,9 @@ void KeptCells::test(ThreadPool& pool) {
             if (cells_[s] == nullptr && !(frame_.weighted && faces_[s] == 0 && hides(s, workers_[index])))
                 mark(static_cast<std::int32_t>(s));
     });
-    const std::size_t length =
-        pool.size() == 1 ? std::max<std::size_t>(count_, 1)  // all may be outside
-                         : std::max(task_seeds, ceil_div(count_, tasks_per_thread * pool.size()));
+    const std::size_t length = pool.size() == 1
+                                   ? std::max<std::size_t>(count_, 1)  // all may be outside
+                                   : std::max(task_seeds, ceil_div(count_, tasks_per_thread * pool.size()));
     pool.run(ceil_div(count_, length), [&](std::size_t task, unsigned index) {
         Worker& worker = workers_[index];
         const Range range{task * length, std::min(count_, (task + 1) * length)};

@@ -69,6 +69,9 @@ public:
     [[nodiscard]] virtual std::vector<Message> exchange(const std::vector<Message>& to) { return to; }
 };
 
+// Why nothing is proven where VerifyOptions has a sample.
+inline constexpr const char* sample_was_given = "a number of cells was given, which are sampled";
+
 class VOTESS_API RowChecker {
 public:
     struct Sample {

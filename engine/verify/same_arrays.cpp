@@ -166,13 +166,13 @@ public:
         detail::for_arrays([&](const auto& array) {
             const auto &given = array.of(part_), &expected = array.of(whole_);
             if (array.per != Per::cell || array.name == "ids" || given.empty() || !differs.empty()) return;
+            if (expected.empty()) return void(differs = array.name);
             const bool counts_faces =  // in the plane all counts are that of edges
                 array.name == "face_counts" || (part_.planar && array.word == &Want::counts);
             const bool equal =
-                expected.empty() ? false
-                : counts_faces ? static_cast<std::size_t>(given[row]) + dropped == static_cast<std::size_t>(expected[i])
-                               : same_at(given, row, expected, i, components_of(array, part_.planar),
-                                         least_scale(array, size_, part_.planar), tolerance_);
+                counts_faces ? static_cast<std::size_t>(given[row]) + dropped == static_cast<std::size_t>(expected[i])
+                             : same_at(given, row, expected, i, components_of(array, part_.planar),
+                                       least_scale(array, size_, part_.planar), tolerance_);
             if (!equal) differs = array.name;
         });
         return differs;
@@ -247,7 +247,7 @@ private:
                 if (!same(given[k], expected[(turn + k) % expected.size()])) return "vertices";
             return "";
         }
-        // The numbers that are ascending depend on the cells before it.
+        // Both ascend, by numbers that the cells before them have made different.
         const bool equal = std::ranges::adjacent_find(given, std::greater_equal<>()) == given.end() &&
                            std::ranges::all_of(given, [&](std::int32_t v) {
                                return std::ranges::any_of(expected, [&](std::int32_t u) { return same(v, u); });

@@ -526,7 +526,7 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled s
         if (!options.sample) sample = {t.size(), options.rng_seed, infinity};
         VerifyReport report = check(sample);
         report.proven = !options.sample;
-        if (options.sample) report.unproven = "a number of cells was given, which are sampled";
+        if (options.sample) report.unproven = sample_was_given;
         check_polygons_too(report);
         return report;
     }

@@ -128,21 +128,19 @@ def as_sample(sample: Optional[int], rng_seed: int) -> Tuple[int, int]:
     return cells, as_count(rng_seed, "rng_seed", 64)
 
 
-def read_report(
-    passed: int, skipped: int, sampled: int, failure: bytes, unproven: bytes
-) -> VerifyReport:
+def read_report(passed: int, skipped: int, sampled: int, failure: bytes, unproven: bytes) -> VerifyReport:
     names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped & bit)
     texts = [text.decode("utf-8", "replace") for text in (failure, unproven)]
     proven = bool(passed) and not unproven
     return VerifyReport(bool(passed), texts[0], names, sampled, proven=proven, unproven=texts[1])
 
 
-def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
-    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one says apart that cells are proven, and counts faces."""
+def verify(function: Any, *arguments: Any, counts_faces: bool = True) -> VerifyReport:
+    """Calls ``votess_verify``, or ``votess_mpi_verify``, which does not count tiny faces, and returns the report."""
     passed, proven, skipped, sampled = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
     texts = [ctypes.create_string_buffer(1024) for _ in range(2)]  # failure, unproven
     tiny = ctypes.c_uint64(_c_api.TINY_FACES_UNKNOWN)
-    verdict = (passed, proven, skipped, sampled, tiny) if proves else (passed, skipped, sampled)
+    verdict = (passed, proven, skipped, sampled, tiny) if counts_faces else (passed, skipped, sampled)
     buffers = [part for text in texts for part in (text, len(text))]
     raise_on_failure(function(*arguments, *verdict, *buffers))
     report = read_report(passed.value, skipped.value, sampled.value, texts[0].value, texts[1].value)

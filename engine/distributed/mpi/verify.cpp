@@ -187,7 +187,7 @@ VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double>
         RowChecker::Sample sample{0, options.rng_seed};
         sample.max_cells = options.sample.value_or(
             sample_size(result.counts.seeds / static_cast<std::uint64_t>(ranks.size()), 1, periodic));
-        sample.unproven = options.sample ? "a number of cells was given, which are sampled" : "";
+        sample.unproven = options.sample ? sample_was_given : "";
         if (options.sample) sample.budget = std::numeric_limits<double>::infinity();
         const BlockDomain domain(std::move(whole), bounds, result.counts.seeds);
         checker.emplace(checked_run(domain, result.counts.seeds, result.counts.box_volume), sample, *block);

@@ -99,7 +99,7 @@ class MpiTessellation(RowArrays):
                 raise ValueError(f"points has shape {array.shape}: it must be (N, {self._dimensions})")
             points_of_rank = (array, 0 if array is None else len(array))
             drawn = as_sample(sample, rng_seed)
-        return verify(_lib.votess_mpi_verify, communicator, self._result, *points_of_rank, *drawn, proves=False)
+        return verify(_lib.votess_mpi_verify, communicator, self._result, *points_of_rank, *drawn, counts_faces=False)
 
 
 @contextlib.contextmanager
