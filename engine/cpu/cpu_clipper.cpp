@@ -83,6 +83,7 @@ void CpuClipper::sort(std::span<const std::int32_t> order, Keep keep) {
         put_in_order(job_.points, job_.scale, order, *pool_, seeds_);
     else
         sort_inside(job_.points, job_.scale, job_.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
+    lacks_images_ = job_.domain->is_periodic() && !order.empty();
     if (!job_.domain->is_periodic()) bury();
     weigh_places();
     gather_beyond();
@@ -178,6 +179,10 @@ void CpuClipper::set_empty(ResultBuilder& out) {
 
 void CpuClipper::build_search() {
     if (searchable_) return;
+    if (std::exchange(lacks_images_, false)) {
+        images_.add(sorter_, *pool_, seeds_);
+        weigh_places();
+    }
     hierarchy_.build(seeds_, *pool_);
     searchable_ = true;
 }

@@ -148,6 +148,7 @@ private:
     Job job_;
     Progress progress_;
     bool sorted_ = false, searchable_ = false;
+    bool lacks_images_ = false;  // until they are searched
     // Their memory is kept for the next job.
     SeedSorter sorter_;
     SortedSeeds seeds_;

@@ -215,6 +215,9 @@ bool KeptCells::match(const Job& job, bool same_rows) {
     const auto& [order, number] = *matched;
     std::vector<std::byte*> cells(order.size());
     std::vector<std::uint8_t> faces(order.size());
+    Buffer<SeedPlace> places;
+    places.resize_uninitialized(order.size());
+    std::ranges::fill(places, SeedPlace{});
     Flags always = std::make_unique<std::atomic<std::uint8_t>[]>(order.size());
     Worker& worker = workers_.front();
     for (std::size_t s = 0; s < count_; ++s) {
@@ -226,6 +229,7 @@ bool KeptCells::match(const Job& job, bool same_rows) {
         always[to].store(always_[s].load(std::memory_order_relaxed), std::memory_order_relaxed);
         std::byte* const at = cells[to] = cells_[s];
         faces[to] = faces_[s];
+        places[to] = places_[s];
         if (at == nullptr) continue;
         bool sorted = true;
         for (std::int32_t last = KeptCell::no_seed; std::int32_t & id : KeptCell::ids_of(at)) {
@@ -250,13 +254,13 @@ bool KeptCells::match(const Job& job, bool same_rows) {
     made_ += order.size() - static_cast<std::size_t>(std::ranges::count_if(number, [](auto to) { return to >= 0; }));
     cells_ = std::move(cells);
     faces_ = std::move(faces);
+    places_ = std::move(places);  // new seeds have none, and no cell
     always_ = std::move(always);
     hiding_.clear();
     count_ = order.size();
     state_ = std::make_unique<std::atomic<std::uint8_t>[]>(count_);
     order_.resize_uninitialized(count_);
     std::ranges::copy(order, order_.begin());
-    places_.resize_uninitialized(count_);
     frame_.places = places_.data();
     complete_ = true;
     return true;
@@ -367,6 +371,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     if (!settled) over_.clear();
     workers_.resize(std::max<std::size_t>(workers_.size(), pool.size()));
     for (Worker& worker : workers_) {
+        worker.crossed.clear();
         worker.over_point.clear();
         worker.later.clear();
         worker.unmended.clear();
@@ -379,12 +384,10 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     facet_seeds_.resize(facets_.size());
     std::atomic<bool> any_moves = false;
     const auto for_seeds = [&](const auto& visit) {
-        pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
+        pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned index) {
             for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s) {
                 const SeedPlace now{{seeds.x[s], seeds.y[s], seeds.z[s]}, seeds.weights.empty() ? 0 : seeds.weights[s]};
-                const bool stays = settled && std::memcmp(&now, &places_[s], sizeof now) == 0;
-                places_[s] = now;
-                visit(s, stays);
+                visit(s, std::exchange(places_[s], now), index);
             }
         });
     };
@@ -394,13 +397,20 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
         still_.resize(count_);
         found_.assign(count_, 0);
         powers_.resize_uninitialized(count_);
-        for_seeds([&](std::size_t s, bool stays) {
+        for_seeds([&](std::size_t s, const SeedPlace& before, unsigned index) {
+            const bool stays = settled && std::memcmp(&before, &places_[s], sizeof before) == 0;
+            double square = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                square += (places_[s].x[k] - before.x[k]) * (places_[s].x[k] - before.x[k]);
+            if (square > frame_.reach_squared) workers_[index].crossed.emplace_back(s, before);
             const std::uint8_t state = state_[s].exchange(kept, std::memory_order_relaxed);
             still_[s] = static_cast<std::uint8_t>((state == kept ? was_kept : 0) | (stays ? has_stayed : 0));
             powers_[s] = powers_of(places_[s]);
             if (!stays) any_moves.store(true, std::memory_order_relaxed);
         });
         all_stay_ = !any_moves;
+        for (Worker& worker : workers_)
+            for (const auto& [s, before] : worker.crossed) cross(s, before, *job.domain, worker);
         return;
     }
     settled = false;
@@ -420,7 +430,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     faces_.assign(count_, 0);
     hiding_.clear();
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
-    for_seeds([&](std::size_t s, bool) {
+    for_seeds([&](std::size_t s, const SeedPlace&, unsigned) {
         order_[s] = seeds.input[s];
         state_[s].store(made, std::memory_order_relaxed);
         always_[s].store(0, std::memory_order_relaxed);
@@ -432,6 +442,43 @@ void KeptCells::commit() {
     sampled_ = !complete_;
     settled_ = plan_ == Plan::repair;
     settled_frame_ = frame_;
+}
+
+// All cells change alike, so they match as before, wherever the seed is.
+void KeptCells::cross(std::size_t seed, const SeedPlace& before, const Domain& domain, Worker& worker) {
+    if (!cell(seed).exists()) return;  // and those beside it are pending
+    const SeedPlace& now = places_[seed];
+    const auto turns = domain.edges.fraction({now.x[0] - before.x[0], now.x[1] - before.x[1], now.x[2] - before.x[2]});
+    NearShift by{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!domain.periodic[j]) continue;
+        if (!(std::abs(turns[j]) < 2 * KeptCell::max_shift)) return;  // it jumps, and its signs are wrong
+        by[j] = static_cast<std::int8_t>(std::lrint(turns[j]));
+    }
+    const auto change = [&](std::size_t s, int sign, const auto& is_changed) {
+        LooseCell& loose = worker.loose;
+        loose.read(cell(s));
+        for (std::size_t f = 0; f < loose.faces; ++f) {
+            if (loose.id[f] < 0 || !is_changed(loose.id[f])) continue;
+            for (std::size_t j = 0; j < 3; ++j) {
+                std::int8_t& shift = loose.shift[f][j];
+                shift = static_cast<std::int8_t>(shift + sign * by[j]);
+                if (std::abs(shift) > KeptCell::max_shift) shift = 0, loose.tied = true;
+            }
+        }
+        put(s, worker);
+        found_[s] |= new_faces;
+    };
+    const auto own = static_cast<std::int32_t>(seed);
+    const auto ids = cell(seed).ids();
+    const std::vector<std::int32_t> around(ids.begin(), ids.end());
+    change(seed, 1, [&](std::int32_t id) { return id != own; });
+    for (auto next = around.begin(); next != around.end(); ++next) {
+        const std::int32_t id = *next;
+        if (id < 0 || id == own || std::find(around.begin(), next, id) != next) continue;
+        if (const auto s = static_cast<std::size_t>(id); cell(s).exists())
+            change(s, -1, [&](std::int32_t other) { return other == own; });
+    }
 }
 
 std::size_t KeptCells::room_of(const std::byte* record) {
@@ -634,8 +681,19 @@ bool KeptCells::find_flip_of(std::size_t seed, Range range, Worker& worker) {
     return false;
 }
 
-void KeptCells::flip(const Flip& flip, Worker& worker) {
+void KeptCells::put(std::size_t seed, Worker& worker) {
     alignas(8) std::byte scratch[LooseCell::max_bytes];
+    std::byte*& at = cells_[seed];
+    const std::size_t room = room_of(at), bytes = worker.loose.pack(room, scratch);
+    if (room < bytes) {
+        at = allocate(bytes, worker);
+        ++worker.grown;
+    }
+    std::memcpy(at, scratch, bytes);
+    faces_[seed] = KeptCell(at).head().faces;
+}
+
+void KeptCells::flip(const Flip& flip, Worker& worker) {
     for (std::size_t k = 0; k < flip.id.size(); ++k) {
         if (flip.id[k] < 0) continue;
         const auto seed = static_cast<std::size_t>(flip.id[k]);
@@ -643,17 +701,10 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
         found_[seed] = static_cast<std::uint8_t>((found_[seed] & new_faces) | (flip.is_end(k) ? new_faces : 0));
         const bool applied = flip.apply(k, order_, worker.loose);
         if (!applied) worker.loose.tied = true;
-        std::byte*& at = cells_[seed];
         // Some cell that has a sign sees whether the new edge is there already: it becomes tied, and its neighbors
         // pending.
         if (!applied || flip.has_sign(k)) worker.loose.find_tests(seed, worker.edges);
-        const std::size_t room = room_of(at), bytes = worker.loose.pack(room, scratch);
-        if (room < bytes) {
-            at = allocate(bytes, worker);
-            ++worker.grown;
-        }
-        std::memcpy(at, scratch, bytes);
-        faces_[seed] = KeptCell(at).head().faces;
+        put(seed, worker);
         if (flip.has_sign(k))
             worker.wrong.push_back(seed);
         else if (may_hold(seed))

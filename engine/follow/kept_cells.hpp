@@ -131,11 +131,12 @@ private:
         LooseCell loose;
         SignTest signs;
         Flip flip;
-        std::vector<std::size_t> wrong;       // changed and not tested yet
-        std::vector<std::size_t> later;       // wrong, and flips would change cells of other workers
-        std::vector<std::size_t> unmended;    // wrong, without a flip
-        std::vector<std::size_t> over_point;  // right, and over the frame's point
-        std::size_t grown = 0;                // cells that got new memory
+        std::vector<std::pair<std::size_t, SeedPlace>> crossed;  // seeds across an edge of the box, and where they were
+        std::vector<std::size_t> wrong;                          // changed and not tested yet
+        std::vector<std::size_t> later;                          // wrong, and flips would change cells of other workers
+        std::vector<std::size_t> unmended;                       // wrong, without a flip
+        std::vector<std::size_t> over_point;                     // right, and over the frame's point
+        std::size_t grown = 0;                                   // cells that got new memory
     };
 
     // Bounds of a seed's power at the frame's point. They are infinite where another image may be nearer.
@@ -170,6 +171,10 @@ private:
     // Whether four seeds certainly hide this one: those of the last call, or others.
     [[nodiscard]] bool hides(std::size_t seed, Worker& worker);
     [[nodiscard]] bool is_right(std::size_t seed, Worker& worker);
+    // Makes shifts count from the new place of a seed that has crossed an edge of a periodic box.
+    void cross(std::size_t seed, const SeedPlace& before, const Domain& domain, Worker& worker);
+    // Stores the worker's loose cell.
+    void put(std::size_t seed, Worker& worker);
     bool find_flip_of(std::size_t seed, Range range, Worker& worker);
     void flip(const Flip& flip, Worker& worker);
     void mend(std::size_t seed, Range range, Worker& worker);

@@ -42,13 +42,14 @@ public:
         out.weighted = !seeds_.weights.empty();
         out.exact = this;
         const SeedPlace& at = places_[seed_];
-        const bool moved = seeds_.images != nullptr && !seeds_.images->is_exact(seed_);
+        const bool exact = seeds_.images == nullptr || seeds_.images->is_exact(seed_);
+        const bool shifted = cell_.head().shifted;
         for (std::size_t f = 0; f < ids.size(); ++f) {
             out.rank[f] = static_cast<std::uint8_t>(f);
             CellShape::Plane& plane = out.plane[f];
-            plane = {};
             const std::int32_t id = ids[f];
             if (id < 0) {
+                plane = {};
                 const exact::Plane wall = this->wall(id);
                 if (wall.is_oblique()) {
                     const auto image = mirror_image(make_plane(base_.point, id, wall));
@@ -59,14 +60,15 @@ public:
                 continue;
             }
             const auto i = static_cast<std::size_t>(id);
-            if (!moved &&
-                (seeds_.images == nullptr || (seeds_.images->is_exact(i) && cell_.shift(f) == exact::Shift{}))) {
-                for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * (places_[i].x[k] - at.x[k]);
+            const SeedPlace& other = places_[i];
+            if (exact && !(shifted && cell_.near_shift(f) != KeptCell::NearShift{}) &&
+                (seeds_.images == nullptr || seeds_.images->is_exact(i))) {
+                for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * (other.x[k] - at.x[k]);
             } else {
                 const auto way = exact::differences(base_.point, this->plane(f)).x;
                 for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * way[k].high;
             }
-            if (out.weighted) plane.power = 0.25 * (at.weight - places_[i].weight);
+            plane.power = 0.25 * (at.weight - other.weight);
         }
         out.corners = 0;
         for (const auto& [a, b, c] : cell_.corners()) out.add_corner(a, b, c);

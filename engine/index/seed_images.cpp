@@ -417,9 +417,16 @@ void SeedImages::sort(const Job& job, std::span<const std::int32_t> order, SeedS
         moves_ = std::move(moves);
     }
     wide_ = false;
-    choose_margin(out, pool, 0);
-    append(sorter, pool, out);
     out.images = this;
+    if (order.empty())
+        add(sorter, pool, out);
+    else
+        append(Images::none, sorter, pool, out);
+}
+
+void SeedImages::add(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
+    choose_margin(out, pool, 0);
+    append(Images::within_margin, sorter, pool, out);
 }
 
 bool SeedImages::widen(double most, ThreadPool& pool, SortedSeeds& out) {
@@ -428,11 +435,11 @@ bool SeedImages::widen(double most, ThreadPool& pool, SortedSeeds& out) {
     most = std::min({most, max_wide_images, max_wide_images_per_seed * count});
     if (!(most > 0) || !choose_margin(out, pool, most)) return false;
     SeedSorter sorter;  // the memory of the other one is lent
-    append(sorter, pool, out);
+    append(Images::within_margin, sorter, pool, out);
     return true;
 }
 
-void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
+void SeedImages::append(Images wanted, SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
     const std::size_t seeds = out.size();
     const auto at = [&](std::size_t s) { return exact::Point{out.x[s], out.y[s], out.z[s]}; };
     struct Image {
@@ -440,7 +447,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
         exact::Shift shift;
     };
     std::vector<std::vector<Image>> found(ceil_div(seeds, task_points));
-    pool.run(found.size(), [&](std::size_t task, unsigned) {
+    pool.run(wanted == Images::none ? 0 : found.size(), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s)
             for_images(at(s), [&](const exact::Shift& shift) {
                 found[task].push_back({static_cast<std::int32_t>(s), shift});
@@ -491,7 +498,9 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     shift_.resize_uninitialized(images);
     first_low_ = wraps_.empty() ? first_ : 0;
     low_.resize_uninitialized(places - first_low_);
+    rounded_.assign(wraps_.empty() ? 0 : padded, false);
     const std::size_t tasks = ceil_div(low_.size(), task_points);
+    static_assert(task_points % 64 == 0);  // each task has its own words of bits
     std::vector<exact::Point> rounding(tasks, exact::Point{});
     pool.run(tasks, [&](std::size_t task, unsigned) {
         const std::size_t begin = first_low_ + task * task_points;
@@ -509,6 +518,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
                     low[k] = wrapped_low_[3 * input + k];
                     rounding[task][k] = std::max(rounding[task][k], std::abs(low[k]) * (1 + 0x1p-50));
                 }
+                rounded_[id] = low != std::array<double, 3>{};
             }
         }
     });

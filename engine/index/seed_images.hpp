@@ -24,10 +24,11 @@ double mean_spacing(const std::array<double, 3>& sides, double count);
 
 class SeedImages {
 public:
-    // Wraps and sorts the seeds of the job, then adds their images. order: of an earlier sort, see put_in_order(), or
-    // none. drop: called in between, if not empty; may remove seeds.
+    // Wraps and sorts the seeds of the job, then adds their images. order: of an earlier sort, see put_in_order(); then
+    // add() adds the images. drop: called in between, if not empty; may remove seeds.
     void sort(const Job& job, std::span<const std::int32_t> order, SeedSorter& sorter, ThreadPool& pool,
               SortedSeeds& out, const std::function<void()>& drop = {});
+    void add(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
     // Replaces the images by those of a margin as wide as cells may need, once after a sort, if that are at most so
     // many. Seeds keep their ids. Returns false if it changed nothing.
     bool widen(double most, ThreadPool& pool, SortedSeeds& out);
@@ -47,9 +48,7 @@ public:
         return i < first_low_ ? std::array<double, 3>{} : low_[i - first_low_];
     }
     // Whether the coordinates of a seed are exact doubles.
-    [[nodiscard]] bool is_exact(std::size_t seed) const {
-        return low(static_cast<std::int32_t>(seed)) == std::array<double, 3>{};
-    }
+    [[nodiscard]] bool is_exact(std::size_t seed) const { return rounded_.empty() || !rounded_[seed]; }
     // Whether even x + low is rounded.
     [[nodiscard]] bool is_rough(std::int32_t id) const { return any_rough() && rough_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] bool any_rough() const { return !rough_.empty(); }
@@ -102,7 +101,9 @@ private:
     bool choose_margin(const SortedSeeds& seeds, ThreadPool& pool, double wide);
     template <class Visit>
     void for_images(const exact::Point& x, Visit visit) const;
-    void append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
+    // Replaces the images by those within the margin, if any.
+    enum class Images { none, within_margin };
+    void append(Images images, SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
 
     std::shared_ptr<const Domain> domain_;
     const SortedSeeds* seeds_ = nullptr;
@@ -126,6 +127,7 @@ private:
     Buffer<exact::Shift> shift_;
     Buffer<std::array<double, 3>> low_;  // by id, from first_low_ on; the others are 0
     std::size_t first_low_ = 0;          // 0, or first_ if no seed is wrapped
+    std::vector<bool> rounded_;          // of seeds: whether low is not 0; empty if no seed is wrapped
     std::vector<bool> rough_;            // by id; empty if none is
     SortedSeeds sorted_images_;
     double largest_coordinate_ = 0;

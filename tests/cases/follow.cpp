@@ -127,6 +127,41 @@ TEST_SUITE("cases") {
         }
     }
 
+    // All seeds move by the same way, so no cell changes.
+    TEST_CASE("follow: seeds cross edges of a periodic box") {
+        for (const bool tilted : {false, true})
+            for (const bool wrapped : {false, true}) {
+                CAPTURE(tilted);
+                CAPTURE(wrapped);
+                Moving m(test::by_size(2000, 1000));
+                m.options.periodic = {true, true, true};
+                if (tilted) {
+                    m.options.box.reset();
+                    m.options.periodic = {};
+                    m.options.cell = votess::TriclinicBox{.a = {1, 0, 0}, .b = {0.4, 1, 0}, .c = {-0.3, 0.2, 1}};
+                }
+                CHECK(m.call() == 0);
+                for (int step = 0; step < 5; ++step) {
+                    for (std::size_t i = 0; i < m.points.size(); i += 3) {
+                        m.points[i] += 0.011;
+                        m.points[i + 1] -= 0.017;
+                        m.points[i + 2] += 0.003;
+                        if (wrapped && m.points[i] > 1) m.points[i] -= 1;
+                    }
+                    CHECK(m.call() == 1);
+                }
+            }
+        // Shifts may be too long to be stored.
+        Moving few(12);
+        few.options.periodic = {true, true, true};
+        CHECK(few.call() == 0);
+        for (int step = 0; step < 30; ++step) {
+            few.move(0.1);
+            if (step % 3 == 0) few.points[0] += 1;
+            CHECK(few.call() >= 0);
+        }
+    }
+
     TEST_CASE("follow: most seeds are buried by heavier ones") {
         Moving m(800);
         std::vector<double> weights(800);
