@@ -49,7 +49,7 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
     constexpr int most = 2 * CandidatePlanes::capacity;
     struct alignas(64) Found {
         float nx[most + 16], ny[most + 16], nz[most + 16], h[most + 16];
-        float measured[most + 16];  // the square of twice the distance of a plane, with its sign
+        float beyond[Weighted ? most + 16 : 8];  // how far planes are beyond the near ones, in squares
         std::int32_t id[most + 16];
     } f;
     const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
@@ -86,19 +86,21 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         compress(f.ny + found, ny, order);
         compress(f.nz + found, nz, order);
         compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
-        compress(f.measured + found, Weighted ? _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, square)) : d, order);
+        if constexpr (Weighted)
+            compress(f.beyond + found, _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, square)), order);
         compress(f.id + found, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
         found += std::popcount(inside);
         if (found > most) return false;
     }
-    const __m256 near_bound = Weighted ? _mm256_setzero_ps() : near_limit;
+    const float* const compared = Weighted ? f.beyond : f.h;
+    const __m256 near_bound = _mm256_set1_ps(Weighted ? 0 : 0.5f * limits.near_squared);
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     int near = c.count, far = 0;
     for (int i = 0; i < found; i += 8) {
         const auto there = static_cast<unsigned>(
             _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(found - i), iota))));
         const unsigned is_near = there & static_cast<unsigned>(_mm256_movemask_ps(
-                                             _mm256_cmp_ps(_mm256_load_ps(f.measured + i), near_bound, _CMP_LT_OQ)));
+                                             _mm256_cmp_ps(_mm256_load_ps(compared + i), near_bound, _CMP_LT_OQ)));
         const unsigned is_far = there & ~is_near;
         if (near > CandidatePlanes::capacity || far > CandidatePlanes::capacity) return false;
         const auto put = [&](unsigned mask, int to) VOTESS_AVX2 {
@@ -117,14 +119,13 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
     return join(c, near, far);
 }
 
-VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
-    __m256 least = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
-    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
-    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0xb1));
-    const auto where = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(best, least, _CMP_EQ_OQ)));
-    alignas(32) std::int32_t found[8];
-    _mm256_store_si256(reinterpret_cast<__m256i*>(found), at);
-    return found[std::countr_zero(where) & 7];
+// Returns the index in the last bits of the smallest of eight floats, or -1 if they are at least `none`.
+VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, float none) {
+    const __m128 four = _mm_min_ps(_mm256_castps256_ps128(best), _mm256_extractf128_ps(best, 1));
+    const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+    const __m128 least = _mm_min_ss(two, _mm_movehdup_ps(two));
+    return _mm_cvtss_f32(least) < none ? _mm_cvtsi128_si32(_mm_castps_si128(least)) & (CandidatePlanes::capacity - 1)
+                                       : -1;
 }
 
 template <int Blocks>
@@ -210,7 +211,7 @@ struct Avx2 {
     }
 
     template <bool Place, bool Nearest>
-    VOTESS_AVX2 [[gnu::noinline]] static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
+    [[gnu::noinline]] VOTESS_AVX2 static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
                                                                const HeavierTest& test) {
         Long4 near[2];
         near_heavier_boxes<Place, Nearest>(b, w, home, test, near);
@@ -345,29 +346,31 @@ struct Avx2 {
         return select_seeds<true>(w, p, weight, limits, c);
     }
 
+    // The index of a plane takes the place of the last bits of t, of which the reciprocal knows the first 12.
     VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
-        const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+        constexpr float none = 0x1p127f;
+        const __m256 no_hit = _mm256_set1_ps(none);
+        const __m256i upper = _mm256_set1_epi32(-CandidatePlanes::capacity);
         for (int r = 0; r < 2; ++r) {
             const auto& [o, d, s, least] = rays[r];
             const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
             const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
             const __m256 limit = _mm256_set1_ps(least);
-            __m256 best = infinity;
-            __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            __m256 best = no_hit;
+            __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
             for (int i = 0; i < count; i += 8) {
                 const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i),
                              nz = _mm256_load_ps(c.nz + i);
                 const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
                 const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
                 const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
-                const __m256 t =
-                    _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving), _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
-                const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
-                best = _mm256_blendv_ps(best, t, better);
-                at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
+                const __m256 t = _mm256_blendv_ps(no_hit, _mm256_mul_ps(gap, _mm256_rcp_ps(leaving)),
+                                                  _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
+                const __m256i named = _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(t), upper), index);
+                best = _mm256_min_ps(_mm256_castsi256_ps(named), best);  // not NaN
                 index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
             }
-            hits[r] = hit_of(best, at);
+            hits[r] = hit_of(best, none);
         }
     }
 
