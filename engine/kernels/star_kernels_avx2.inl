@@ -42,15 +42,21 @@ VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
     return _mm256_min_epi32(_mm256_max_epi32(x, _mm256_set1_epi32(-window_range)), _mm256_set1_epi32(window_range));
 }
 
+VOTESS_AVX2 VOTESS_INLINE __m256 square_of(__m256 x, __m256 y, __m256 z) {
+    return _mm256_fmadd_ps(x, x, _mm256_fmadd_ps(y, y, _mm256_mul_ps(z, z)));
+}
+
 // In two passes without branches, which would be mispredicted: the seeds within the limit, then near ones and others.
+// Storing takes most of the time of the first, so the second computes the squares again.
 template <bool Weighted, class Limits>
 VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
                               const Limits& limits, CandidatePlanes& c) {
     constexpr int most = 2 * CandidatePlanes::capacity;
     struct alignas(64) Found {
-        float nx[most + 16], ny[most + 16], nz[most + 16], h[most + 16];
-        float beyond[Weighted ? most + 16 : 8];  // how far planes are beyond the near ones, in squares
+        float nx[most + 16], ny[most + 16], nz[most + 16];
         std::int32_t id[most + 16];
+        // With weights: h, and how far planes are beyond the near ones, in squares.
+        float h[Weighted ? most + 16 : 8], beyond[Weighted ? most + 16 : 8];
     } f;
     const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
     const __m256 limit = _mm256_set1_ps(limits.distance_squared), near_limit = _mm256_set1_ps(limits.near_squared);
@@ -61,7 +67,7 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
                 _mm256_sub_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + i)), from));
         };
         const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
-        const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
+        const __m256 d = square_of(nx, ny, nz);
         __m256 h = d, measured = d, square = d, bound = limit;
         if constexpr (Weighted) {
             __m256 more = _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i));
@@ -85,30 +91,39 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         compress(f.nx + found, nx, order);
         compress(f.ny + found, ny, order);
         compress(f.nz + found, nz, order);
-        compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
-        if constexpr (Weighted)
+        if constexpr (Weighted) {
+            compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
             compress(f.beyond + found, _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, square)), order);
+        }
         compress(f.id + found, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
         found += std::popcount(inside);
         if (found > most) return false;
     }
-    const float* const compared = Weighted ? f.beyond : f.h;
-    const __m256 near_bound = _mm256_set1_ps(Weighted ? 0 : 0.5f * limits.near_squared);
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     int near = c.count, far = 0;
     for (int i = 0; i < found; i += 8) {
         const auto there = static_cast<unsigned>(
             _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(found - i), iota))));
-        const unsigned is_near = there & static_cast<unsigned>(_mm256_movemask_ps(
-                                             _mm256_cmp_ps(_mm256_load_ps(compared + i), near_bound, _CMP_LT_OQ)));
+        const __m256 nx = _mm256_load_ps(f.nx + i), ny = _mm256_load_ps(f.ny + i), nz = _mm256_load_ps(f.nz + i);
+        __m256 h, beyond;
+        if constexpr (Weighted) {
+            h = _mm256_load_ps(f.h + i);
+            beyond = _mm256_load_ps(f.beyond + i);
+        } else {
+            const __m256 square = square_of(nx, ny, nz);
+            h = _mm256_mul_ps(square, _mm256_set1_ps(0.5f));
+            beyond = _mm256_sub_ps(square, near_limit);
+        }
+        const unsigned is_near =
+            there & static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(beyond, _mm256_setzero_ps(), _CMP_LT_OQ)));
         const unsigned is_far = there & ~is_near;
         if (near > CandidatePlanes::capacity || far > CandidatePlanes::capacity) return false;
         const auto put = [&](unsigned mask, int to) VOTESS_AVX2 {
             const __m256i order = compress_order(mask);
-            compress(c.nx + to, _mm256_load_ps(f.nx + i), order);
-            compress(c.ny + to, _mm256_load_ps(f.ny + i), order);
-            compress(c.nz + to, _mm256_load_ps(f.nz + i), order);
-            compress(c.h + to, _mm256_load_ps(f.h + i), order);
+            compress(c.nx + to, nx, order);
+            compress(c.ny + to, ny, order);
+            compress(c.nz + to, nz, order);
+            compress(c.h + to, h, order);
             compress(c.id + to, _mm256_load_si256(reinterpret_cast<const __m256i*>(f.id + i)), order);
         };
         put(is_near, near);
@@ -358,7 +373,7 @@ struct Avx2 {
             const __m256 limit = _mm256_set1_ps(least);
             __m256 best = no_hit;
             __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            for (int i = 0; i < count; i += 8) {
+            const auto hit = [&](int i) VOTESS_AVX2 {
                 const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i),
                              nz = _mm256_load_ps(c.nz + i);
                 const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
@@ -369,6 +384,10 @@ struct Avx2 {
                 const __m256i named = _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(t), upper), index);
                 best = _mm256_min_ps(_mm256_castsi256_ps(named), best);  // not NaN
                 index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+            };
+            for (int i = 0; i < count; i += 16) {  // its end is predicted more often than that of eights
+                hit(i);
+                hit(i + 8);
             }
             hits[r] = hit_of(best, none);
         }
@@ -380,18 +399,21 @@ struct Avx2 {
         const __m256 limit = _mm256_set1_ps(v[3]);
         const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]),
                       i2 = _mm256_set1_epi32(three[2]);
-        unsigned behind = ~0u << (begin % 8);
-        for (int i = begin / 8 * 8; i < count; i += 8, behind = ~0u) {
-            const __m256 gap = _mm256_fnmadd_ps(
-                _mm256_load_ps(c.nx + i), vx,
-                _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
-                                 _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
-            const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + i));
-            const __m256i same = _mm256_or_si256(
-                _mm256_cmpeq_epi32(id, i0), _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
-            const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
-                                  _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
-                              behind;
+        unsigned behind = ~0u << (begin % 16);
+        for (int i = begin / 16 * 16; i < count; i += 16, behind = ~0u) {
+            const auto near = [&](int k) VOTESS_AVX2 {
+                const __m256 gap = _mm256_fnmadd_ps(
+                    _mm256_load_ps(c.nx + k), vx,
+                    _mm256_fnmadd_ps(_mm256_load_ps(c.ny + k), vy,
+                                     _mm256_fnmadd_ps(_mm256_load_ps(c.nz + k), vz, _mm256_load_ps(c.h + k))));
+                const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + k));
+                const __m256i same =
+                    _mm256_or_si256(_mm256_cmpeq_epi32(id, i0),
+                                    _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
+                return static_cast<unsigned>(_mm256_movemask_ps(
+                    _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ))));
+            };
+            const unsigned mask = (near(i) | near(i + 8) << 8) & behind;
             if (mask != 0) return i + std::countr_zero(mask);
         }
         return -1;

@@ -1263,7 +1263,8 @@ void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
     store(across, ray.o);
     store(-ab, ray.d);
     ray.s = square;
-    ray.limit = parallel * std::sqrt(square) * static_cast<float>(longest_);
+    const float root = std::bit_cast<float>((std::bit_cast<std::uint32_t>(square) >> 1) + 0x1fbd1df5);  // about
+    ray.limit = parallel * root * static_cast<float>(longest_);
 }
 
 // Returns false when the planes are too nearly parallel, or too large or small to square.
