@@ -42,15 +42,21 @@ VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
     return _mm256_min_epi32(_mm256_max_epi32(x, _mm256_set1_epi32(-window_range)), _mm256_set1_epi32(window_range));
 }
 
+VOTESS_AVX2 VOTESS_INLINE __m256 square_of(__m256 x, __m256 y, __m256 z) {
+    return _mm256_fmadd_ps(x, x, _mm256_fmadd_ps(y, y, _mm256_mul_ps(z, z)));
+}
+
 // In two passes without branches, which would be mispredicted: the seeds within the limit, then near ones and others.
+// Storing takes most of the time of the first, so the second computes the squares again.
 template <bool Weighted, class Limits>
 VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
                               const Limits& limits, CandidatePlanes& c) {
     constexpr int most = 2 * CandidatePlanes::capacity;
     struct alignas(64) Found {
-        float nx[most + 16], ny[most + 16], nz[most + 16], h[most + 16];
-        float measured[most + 16];  // the square of twice the distance of a plane, with its sign
+        float nx[most + 16], ny[most + 16], nz[most + 16];
         std::int32_t id[most + 16];
+        // With weights: h, and how far planes are beyond the near ones, in squares.
+        float h[Weighted ? most + 16 : 8], beyond[Weighted ? most + 16 : 8];
     } f;
     const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
     const __m256 limit = _mm256_set1_ps(limits.distance_squared), near_limit = _mm256_set1_ps(limits.near_squared);
@@ -61,7 +67,7 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
                 _mm256_sub_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + i)), from));
         };
         const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
-        const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
+        const __m256 d = square_of(nx, ny, nz);
         __m256 h = d, measured = d, square = d, bound = limit;
         if constexpr (Weighted) {
             __m256 more = _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i));
@@ -85,28 +91,39 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         compress(f.nx + found, nx, order);
         compress(f.ny + found, ny, order);
         compress(f.nz + found, nz, order);
-        compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
-        compress(f.measured + found, Weighted ? _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, square)) : d, order);
+        if constexpr (Weighted) {
+            compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
+            compress(f.beyond + found, _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, square)), order);
+        }
         compress(f.id + found, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
         found += std::popcount(inside);
         if (found > most) return false;
     }
-    const __m256 near_bound = Weighted ? _mm256_setzero_ps() : near_limit;
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     int near = c.count, far = 0;
     for (int i = 0; i < found; i += 8) {
         const auto there = static_cast<unsigned>(
             _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(found - i), iota))));
-        const unsigned is_near = there & static_cast<unsigned>(_mm256_movemask_ps(
-                                             _mm256_cmp_ps(_mm256_load_ps(f.measured + i), near_bound, _CMP_LT_OQ)));
+        const __m256 nx = _mm256_load_ps(f.nx + i), ny = _mm256_load_ps(f.ny + i), nz = _mm256_load_ps(f.nz + i);
+        __m256 h, beyond;
+        if constexpr (Weighted) {
+            h = _mm256_load_ps(f.h + i);
+            beyond = _mm256_load_ps(f.beyond + i);
+        } else {
+            const __m256 square = square_of(nx, ny, nz);
+            h = _mm256_mul_ps(square, _mm256_set1_ps(0.5f));
+            beyond = _mm256_sub_ps(square, near_limit);
+        }
+        const unsigned is_near =
+            there & static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(beyond, _mm256_setzero_ps(), _CMP_LT_OQ)));
         const unsigned is_far = there & ~is_near;
         if (near > CandidatePlanes::capacity || far > CandidatePlanes::capacity) return false;
         const auto put = [&](unsigned mask, int to) VOTESS_AVX2 {
             const __m256i order = compress_order(mask);
-            compress(c.nx + to, _mm256_load_ps(f.nx + i), order);
-            compress(c.ny + to, _mm256_load_ps(f.ny + i), order);
-            compress(c.nz + to, _mm256_load_ps(f.nz + i), order);
-            compress(c.h + to, _mm256_load_ps(f.h + i), order);
+            compress(c.nx + to, nx, order);
+            compress(c.ny + to, ny, order);
+            compress(c.nz + to, nz, order);
+            compress(c.h + to, h, order);
             compress(c.id + to, _mm256_load_si256(reinterpret_cast<const __m256i*>(f.id + i)), order);
         };
         put(is_near, near);
@@ -117,14 +134,13 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
     return join(c, near, far);
 }
 
-VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
-    __m256 least = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
-    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
-    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0xb1));
-    const auto where = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(best, least, _CMP_EQ_OQ)));
-    alignas(32) std::int32_t found[8];
-    _mm256_store_si256(reinterpret_cast<__m256i*>(found), at);
-    return found[std::countr_zero(where) & 7];
+// Returns the index in the last bits of the smallest of eight floats, or -1 if they are at least `none`.
+VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, float none) {
+    const __m128 four = _mm_min_ps(_mm256_castps256_ps128(best), _mm256_extractf128_ps(best, 1));
+    const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+    const __m128 least = _mm_min_ss(two, _mm_movehdup_ps(two));
+    return _mm_cvtss_f32(least) < none ? _mm_cvtsi128_si32(_mm_castps_si128(least)) & (CandidatePlanes::capacity - 1)
+                                       : -1;
 }
 
 template <int Blocks>
@@ -210,7 +226,7 @@ struct Avx2 {
     }
 
     template <bool Place, bool Nearest>
-    VOTESS_AVX2 [[gnu::noinline]] static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
+    [[gnu::noinline]] VOTESS_AVX2 static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
                                                                const HeavierTest& test) {
         Long4 near[2];
         near_heavier_boxes<Place, Nearest>(b, w, home, test, near);
@@ -345,29 +361,35 @@ struct Avx2 {
         return select_seeds<true>(w, p, weight, limits, c);
     }
 
+    // The index of a plane takes the place of the last bits of t, of which the reciprocal knows the first 12.
     VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
-        const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+        constexpr float none = 0x1p127f;
+        const __m256 no_hit = _mm256_set1_ps(none);
+        const __m256i upper = _mm256_set1_epi32(-CandidatePlanes::capacity);
         for (int r = 0; r < 2; ++r) {
             const auto& [o, d, s, least] = rays[r];
             const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
             const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
             const __m256 limit = _mm256_set1_ps(least);
-            __m256 best = infinity;
-            __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            for (int i = 0; i < count; i += 8) {
+            __m256 best = no_hit;
+            __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            const auto hit = [&](int i) VOTESS_AVX2 {
                 const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i),
                              nz = _mm256_load_ps(c.nz + i);
                 const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
                 const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
                 const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
-                const __m256 t =
-                    _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving), _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
-                const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
-                best = _mm256_blendv_ps(best, t, better);
-                at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
+                const __m256 t = _mm256_blendv_ps(no_hit, _mm256_mul_ps(gap, _mm256_rcp_ps(leaving)),
+                                                  _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
+                const __m256i named = _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(t), upper), index);
+                best = _mm256_min_ps(_mm256_castsi256_ps(named), best);  // not NaN
                 index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+            };
+            for (int i = 0; i < count; i += 16) {  // its end is predicted more often than that of eights
+                hit(i);
+                hit(i + 8);
             }
-            hits[r] = hit_of(best, at);
+            hits[r] = hit_of(best, none);
         }
     }
 
@@ -377,18 +399,21 @@ struct Avx2 {
         const __m256 limit = _mm256_set1_ps(v[3]);
         const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]),
                       i2 = _mm256_set1_epi32(three[2]);
-        unsigned behind = ~0u << (begin % 8);
-        for (int i = begin / 8 * 8; i < count; i += 8, behind = ~0u) {
-            const __m256 gap = _mm256_fnmadd_ps(
-                _mm256_load_ps(c.nx + i), vx,
-                _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
-                                 _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
-            const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + i));
-            const __m256i same = _mm256_or_si256(
-                _mm256_cmpeq_epi32(id, i0), _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
-            const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
-                                  _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
-                              behind;
+        unsigned behind = ~0u << (begin % 16);
+        for (int i = begin / 16 * 16; i < count; i += 16, behind = ~0u) {
+            const auto near = [&](int k) VOTESS_AVX2 {
+                const __m256 gap = _mm256_fnmadd_ps(
+                    _mm256_load_ps(c.nx + k), vx,
+                    _mm256_fnmadd_ps(_mm256_load_ps(c.ny + k), vy,
+                                     _mm256_fnmadd_ps(_mm256_load_ps(c.nz + k), vz, _mm256_load_ps(c.h + k))));
+                const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + k));
+                const __m256i same =
+                    _mm256_or_si256(_mm256_cmpeq_epi32(id, i0),
+                                    _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
+                return static_cast<unsigned>(_mm256_movemask_ps(
+                    _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ))));
+            };
+            const unsigned mask = (near(i) | near(i + 8) << 8) & behind;
             if (mask != 0) return i + std::countr_zero(mask);
         }
         return -1;

@@ -53,6 +53,7 @@ private:
     static constexpr float parallel = 0x1p-18f;  // a ray that is nearly parallel to a plane does not leave it
     static constexpr int max_new_seeds = 24;     // seeds added at once from beyond the window
     static constexpr int max_ties = 64;
+    static constexpr int lane_step = 8;  // planes are read by so many at once
     static constexpr std::uint32_t no_group = ~0u;
     static constexpr int max_batch = 4;  // blocks tested at once
     static constexpr int max_found = max_batch * box_fan;
@@ -113,7 +114,7 @@ private:
         double radius = 0, off = 0;
     };
     struct alignas(16) Facing {  // a plane in floats
-        float normal[4];         // of length 1
+        float normal[4];         // of length 1, about
         float distance;
     };
     struct alignas(32) Third {  // the plane that ends an edge
@@ -135,6 +136,7 @@ private:
     [[gnu::always_inline]] inline bool read_known();
     [[gnu::always_inline]] inline void read_position(const KnownVertex& known, int vertex);
     bool read_tie(const KnownVertex& known, int vertex);
+    [[gnu::always_inline]] inline void list_open_edges();
     [[gnu::noinline]] void adapt_reach(double needed);
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
@@ -429,10 +431,11 @@ private:
     // Edges that were open when stacked. Those from open_begin_ to open_end_ may still be.
     std::array<OpenEdge, 4 * max_vertices + max_ties> open_edges_;
     int open_begin_ = 0, open_end_ = 0;
-    std::uint64_t planes_known_ = 0;                    // planes with n_, h_, square_, id_
-    std::uint64_t facings_known_ = 0;                   // planes that have facing_ too
-    int ends_ = 0;                                      // edges, counted at either end
-    std::array<std::int32_t, max_planes + 1> local_{};  // the last is written and never read
+    std::uint64_t open_slots_ = 0;                              // planes of the edges that were open at first
+    std::uint64_t planes_known_ = 0;                            // planes with n_, h_, square_, id_
+    std::uint64_t facings_known_ = 0;                           // planes that have facing_ too
+    int ends_ = 0;                                              // edges, counted at either end
+    std::array<std::int32_t, max_planes + lane_step> local_{};  // one behind the last plane is written too
     std::array<std::int32_t, max_planes> id_{};
     int planes_ = 0;
     alignas(64) std::array<Four, max_planes> n_{};

@@ -1008,11 +1008,12 @@ template <class Isa>
 void StarWalk<Isa>::clear_planes() {
     std::uint16_t* const slots = slot_.data();
     const std::uint16_t none = none_;
-#pragma GCC unroll 4
-    for (int p = 0; p < planes_; ++p) slots[local_[p]] = none;
-    constexpr int step = 8;  // vectors
-    for (int p = 0; p < planes_; p += step)
-        for (int k = p; k < p + step; ++k) out_[k] = in_[k] = 0;
+    // Those behind the last plane are of earlier cells.
+    for (int p = 0; p < planes_; p += lane_step) {
+        for (int k = p; k < p + lane_step; ++k) out_[k] = in_[k] = 0;
+#pragma GCC unroll 8
+        for (int k = p; k < p + lane_step; ++k) slots[local_[k]] = none;
+    }
     planes_ = 0;
 }
 
@@ -1062,7 +1063,7 @@ bool StarWalk<Isa>::build_cell() {
     clear_planes();
     own_local_ = cells_.local(own_id_);
     vertices_ = ends_ = open_begin_ = open_end_ = 0;
-    planes_known_ = facings_known_ = 0;
+    planes_known_ = facings_known_ = open_slots_ = 0;
     scale_ = unscale_ = 1;
     move_ = {};
     have_candidates_ = used_exact_ = met_tie_ = false;
@@ -1192,11 +1193,31 @@ bool StarWalk<Isa>::read_known() {
         link_corner<Kept>(a, b, c, vertices++);
     }
     planes_ = planes, vertices_ = vertices, ends_ += 3 * (vertices - ties);
-    for (int p = 0; p < planes; ++p)
-        for (std::uint64_t open = out_[p] & ~in_[p]; open != 0; open &= open - 1)
-            open_edges_[open_end_++] = {static_cast<std::uint8_t>(p),
-                                        static_cast<std::uint8_t>(std::countr_zero(open))};
+    list_open_edges();
     return true;
+}
+
+// Lists the edges that vertices of other cells leave open, and their planes. In one loop without branches in it, which
+// would be mispredicted.
+template <class Isa>
+void StarWalk<Isa>::list_open_edges() {
+    std::uint64_t left = 0;  // planes
+    for (int p = 0; p < planes_; p += lane_step)
+        for (int k = p; k < p + lane_step; ++k) left |= static_cast<std::uint64_t>((out_[k] & ~in_[k]) != 0) << k;
+    std::uint64_t slots = left, others = ~std::uint64_t{0};  // others: of the edges of a plane, those not yet listed
+    int end = 0;
+    while (left != 0) {
+        const int a = std::countr_zero(left);
+        const std::uint64_t open = out_[a] & ~in_[a] & others;
+        const int b = std::countr_zero(open);
+        open_edges_[end++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+        slots |= std::uint64_t{1} << b;
+        const bool last = (open & (open - 1)) == 0;
+        others = last ? ~std::uint64_t{0} : open & (open - 1);
+        left = last ? left & (left - 1) : left;
+    }
+    open_end_ = end;
+    open_slots_ = slots;
 }
 
 template <class Isa>
@@ -1242,7 +1263,8 @@ void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
     store(across, ray.o);
     store(-ab, ray.d);
     ray.s = square;
-    ray.limit = parallel * std::sqrt(square) * static_cast<float>(longest_);
+    const float root = std::bit_cast<float>((std::bit_cast<std::uint32_t>(square) >> 1) + 0x1fbd1df5);  // about
+    ray.limit = parallel * root * static_cast<float>(longest_);
 }
 
 // Returns false when the planes are too nearly parallel, or too large or small to square.
@@ -1920,14 +1942,11 @@ void StarWalk<Isa>::need_facing(int slot) {
     if (((facings_known_ >> slot) & 1) == 0) find_facing(slot);
 }
 
-// Finds the planes of all open edges at once: their square roots and divisions overlap in the processor.
+// Finds the planes of the edges that are open at first.
 template <class Isa>
 void StarWalk<Isa>::find_facings() {
-    std::uint64_t slots = 0;
-    for (int i = open_begin_; i < open_end_; ++i)
-        slots |= 1ull << open_edges_[static_cast<std::size_t>(i)].a | 1ull
-                                                                          << open_edges_[static_cast<std::size_t>(i)].b;
-    for (slots &= ~facings_known_; slots != 0; slots &= slots - 1) find_facing(std::countr_zero(slots));
+    for (std::uint64_t slots = open_slots_ & ~facings_known_; slots != 0; slots &= slots - 1)
+        find_facing(std::countr_zero(slots));
 }
 
 template <class Isa>
@@ -1939,7 +1958,9 @@ void StarWalk<Isa>::find_facing(int slot) {
 
 template <class Isa>
 void StarWalk<Isa>::face(int slot) {
-    const double inverse = 1 / std::sqrt(square_[slot]);
+    // About 1 / sqrt(square), without waiting for a root. Only the size of the floats depends on it.
+    const double inverse =
+        std::bit_cast<double>(0x5fe6eb50c7b537a9 - (std::bit_cast<std::uint64_t>(square_[slot]) >> 1));
     narrow(wide(n_[slot]) * inverse, facing_[slot].normal);
     facing_[slot].distance = static_cast<float>(h_[slot] * inverse);
 }
