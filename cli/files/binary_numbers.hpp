@@ -15,14 +15,26 @@ namespace clvotess {
 
 static_assert(std::endian::native == std::endian::little, "arrays are read and written without conversion");
 
-enum class NumberType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
+enum class NumberType : std::uint8_t {
+    int8,
+    uint8,
+    int16,
+    uint16,
+    int32,
+    uint32,
+    int64,
+    uint64,
+    float32,
+    float64,
+    float16
+};
 
 [[nodiscard]] constexpr std::size_t size_of(NumberType type) {
-    constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    constexpr std::array<std::size_t, 11> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 2};
     return sizes[static_cast<std::size_t>(type)];
 }
 [[nodiscard]] constexpr bool is_float(NumberType type) {
-    return type == NumberType::float32 || type == NumberType::float64;
+    return type >= NumberType::float32;
 }
 
 template <typename Number>
@@ -33,7 +45,17 @@ template <typename Number>
     return std::bit_cast<Number>(bytes);
 }
 
-// Returns use(number), where the number has its own type.
+// Returns the value of the bits of a float16.
+[[nodiscard]] inline float float16_value(std::uint16_t bits) {
+    const int exponent = bits >> 10 & 31, fraction = bits & 1023;
+    const float size = exponent == 31  ? (fraction == 0 ? std::numeric_limits<float>::infinity()
+                                                        : std::numeric_limits<float>::quiet_NaN())
+                       : exponent == 0 ? std::ldexp(static_cast<float>(fraction), -24)
+                                       : std::ldexp(static_cast<float>(fraction + 1024), exponent - 25);
+    return bits >> 15 != 0 ? -size : size;
+}
+
+// Returns use(number), where the number has its own type; a float32 for float16.
 template <typename Use>
 auto with_number(NumberType type, const char* from, bool swapped, Use use) {
     switch (type) {
@@ -53,6 +75,8 @@ auto with_number(NumberType type, const char* from, bool swapped, Use use) {
             return use(load_number<std::int64_t>(from, swapped));
         case NumberType::uint64:
             return use(load_number<std::uint64_t>(from, swapped));
+        case NumberType::float16:
+            return use(float16_value(load_number<std::uint16_t>(from, swapped)));
         case NumberType::float32:
             return use(load_number<float>(from, swapped));
         default:

@@ -67,15 +67,6 @@ public:
         meshes_ = items(document, "meshes");
         accessors_ = items(document, "accessors");
         views_ = items(document, "bufferViews");
-        for (const Json& node : nodes_) {
-            if (node.find("skin")) throw moved("a skin");
-            if (const auto more = node.find("extensions"); more && more->find("EXT_mesh_gpu_instancing"))
-                throw moved("EXT_mesh_gpu_instancing");
-        }
-        for (const auto* const all : {&nodes_, &meshes_})
-            for (const Json& one : *all)
-                for (const Json& weight : items(one, "weights"))
-                    if (weight.number().value_or(1) != 0) throw moved("weights of morph targets");
         surface_.merge = true;
         walk(roots(document));
         if (surface_.triangles.empty()) throw error("its scene has no triangles");
@@ -194,7 +185,7 @@ private:
             if (seen[index]) throw error("node " + std::to_string(index) + " has two parents");
             seen[index] = true;
             const Placement place = above.of(placement(nodes_[index]));
-            if (nodes_[index].find("mesh")) add_mesh(whole(nodes_[index], "mesh", {}), place);
+            if (nodes_[index].find("mesh")) add_mesh(nodes_[index], place);
             for (const std::uint64_t child : children(nodes_[index], "children")) pending.push_back({child, place});
         }
     }
@@ -283,8 +274,20 @@ private:
             throw error("more than the 2147483647 vertices that are read");
     }
 
-    void add_mesh(std::uint64_t index, const Placement& place) {
-        for (const auto& [mode, points, indices] : primitives(index)) {
+    // Throws for vertices that a placement alone does not put in place.
+    void check_fixed(const Json& node, const Json& mesh) const {
+        if (node.find("skin")) throw moved("a skin");
+        if (const auto more = node.find("extensions"); more && more->find("EXT_mesh_gpu_instancing"))
+            throw moved("EXT_mesh_gpu_instancing");
+        for (const Json& weight : items(node.find("weights") ? node : mesh, "weights"))
+            if (weight.number().value_or(1) != 0) throw moved("weights of morph targets");
+    }
+
+    void add_mesh(const Json& node, const Placement& place) {
+        const std::uint64_t index = whole(node, "mesh", {});
+        const std::vector<Primitive>& found = primitives(index);
+        if (!found.empty()) check_fixed(node, meshes_[index]);
+        for (const auto& [mode, points, indices] : found) {
             throw_if_interrupted();
             const std::size_t first = surface_.vertices.size() / 3, count = indices ? indices->count : points.count;
             check_size(points.count, count);

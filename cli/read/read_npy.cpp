@@ -63,7 +63,7 @@ private:
 Input read_npy_with_columns(const std::string& path, std::size_t dimensions, const std::vector<std::string>& names) {
     const std::size_t width = dimensions + names.size();
     std::vector<double> rows;
-    NpyFile(path, {&width, 1}).array().read_floats(rows);
+    NpyFile(path, {&width, 1}).array().read_numbers(rows);
     Input input;
     input.dimensions = dimensions;
     for (const std::string& name : names) input.columns.push_back({.name = name});
@@ -82,7 +82,7 @@ Input read_npy(const std::string& path, const ReadRequest& request) {
     input.dimensions = file.array().shape()[1];
     const std::uint64_t rows = file.array().shape()[0];
     if (share.parts == 1)
-        file.array().read_floats(input.points);
+        file.array().read_numbers(input.points);
     else
         file.array().read_rows(input.points, share.begin(rows), share.end(rows));
     return input;

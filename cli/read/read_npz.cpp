@@ -22,7 +22,7 @@ public:
         if (points) {
             NpyArray array = open(*points);
             array.check_points(columns_of(request_.dimensions));
-            array.read_floats(input.points);
+            array.read_numbers(input.points);
             input.dimensions = array.shape()[1];
         } else {
             read_axes(input);
@@ -31,10 +31,10 @@ public:
             const ZipMember* const member = find(name);
             if (!member || !input.ids.empty()) continue;
             NpyArray array = open(*member);
-            if (!array.is_column() || array.shape()[0] != input.size()) continue;
-            if (!array.is_whole())
+            if (!array.is_column() || !array.is_whole())
                 throw bad_input(name_ + ": " + name +
-                                " are not whole numbers: save them as integers, or leave them out");
+                                " are not a list of whole numbers: save them as integers, or leave them out");
+            check_length(name, array, input.size(), "the array of points");
             input.ids = array.read_whole();
         }
         for (std::size_t c = 0; c < request_.columns.size(); ++c)
@@ -123,14 +123,12 @@ private:
         const auto& shape = array.shape();
         const bool fits = shape.size() == (columns == 1 ? 1 : 2) && (rows == 0 || shape[0] == rows) &&
                           (columns == 1 || shape[1] == columns);
-        if (!fits || !(array.is_float() || array.is_whole()))
+        if (!fits || !array.is_number())
             throw bad_input(name_ + ": " + name + " does not hold numbers with shape (" +
                             (rows == 0 ? std::string("W") : std::to_string(rows)) + ", " +
                             (columns == 1 ? std::string() : std::to_string(columns)) +
                             "), which state a domain beside box and periodic: leave one of these out");
-        if (array.is_float()) return array.read_floats(values), values;
-        for (const std::int64_t whole : array.read_whole()) values.push_back(static_cast<double>(whole));
-        return values;
+        return array.read_numbers(values), values;
     }
 
     // Reads the domain in the arrays that clvotess writes.
@@ -162,7 +160,7 @@ private:
             }
             if (k == 0) count = array.shape()[0];
             check_length(axes[k], array, count, axes[0]);
-            array.read_floats(input.points, k, axes.size());
+            array.read_numbers(input.points, k, axes.size());
         }
     }
 
@@ -176,7 +174,7 @@ private:
     // Returns whether the array holds a number, or a row of numbers, for each point.
     [[nodiscard]] static bool may_be_column(const NpyArray& array) {
         const auto& shape = array.shape();
-        return (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0)) && (array.is_float() || array.is_whole());
+        return (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0)) && array.is_number();
     }
 
     void read_column(const std::string& name, bool carried, Input& input) const {
@@ -191,7 +189,7 @@ private:
         if (width > max_columns) throw bad_input(name_ + ": " + name + " has rows of " + columns_text(width));
         InputColumn& column =
             input.columns.emplace_back(InputColumn{.name = name, .width = width, .keeps_integers = carried});
-        if (array.is_float()) return array.read_floats(column.values);
+        if (array.is_float()) return array.read_numbers(column.values);
         for (const std::int64_t whole : array.read_whole()) column.append_integer(whole);
     }
 

@@ -5,13 +5,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <numeric>
-#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/at.hpp"
+#include "exact/predicate.hpp"
 #include "solid/mesh_cells.hpp"
+#include "solid/mesh_signs.hpp"
 
 namespace votess::solid {
 namespace {
@@ -26,13 +30,21 @@ bool is_same_line(const OutlineEdge& a, const OutlineEdge& b) {
 }
 using Ring = std::vector<OutlineEdge>;
 
-// One piece of a sheet.
+struct Polygon {
+    std::vector<Ring> rings;  // the outline first, then holes
+    double area = 0;
+    std::array<double, 2> centroid{};
+};
+
+// One piece of a sheet. Rounding of corners may let edges meet that do not. Then one of them bends to an end of the
+// other one, which is nearer than rounding. So corners keep their places, which cells share.
 class PrismPiece {
 public:
-    PrismPiece(const Pieces& all, std::size_t p)
-        : vertices_(std::span(all.vertices)
-                        .subspan(at(3 * all.vertex_offsets[p]),
-                                 at(3 * (all.vertex_offsets[p + 1] - all.vertex_offsets[p])))) {
+    PrismPiece(const Pieces& all, std::size_t p, const MeshCells& cells)
+        : cells_(cells), area_(all.volumes[p]), centroid_{all.centroids[3 * p], all.centroids[3 * p + 1]} {
+        places_.reserve(at(all.vertex_offsets[p + 1] - all.vertex_offsets[p]));
+        for (std::int64_t v = all.vertex_offsets[p]; v < all.vertex_offsets[p + 1]; ++v)
+            places_.push_back({all.vertices[at(3 * v)], all.vertices[at(3 * v + 1)], 0});
         for (std::int64_t t = all.triangle_offsets[p]; t < all.triangle_offsets[p + 1]; ++t) {
             const std::int32_t source = all.sources[at(t)];
             const std::uint8_t on_surface = all.on_surface[at(t)];
@@ -45,24 +57,22 @@ public:
         }
     }
 
-    // Returns the rings of the outline, the longest one first. No ring visits a place twice, except where others than
-    // the first would turn counterclockwise then: parts of the piece that touch in a point.
-    [[nodiscard]] std::vector<Ring> rings() {
+    // Returns no polygon for a piece without an area, except for rounding. Returns several where the piece is as narrow
+    // as rounding.
+    [[nodiscard]] std::vector<Polygon> polygons() {
         find_outline();
-        const std::vector<OutlineEdge> outline = outline_;
         join_places();
-        std::vector<Ring> found = split();
-        if (std::ranges::count_if(found, [&](const Ring& ring) { return area(ring) > 0; }) > 1) {
-            outline_ = outline;
-            found = split();
+        std::vector<Ring> rings = split();
+        if (keep_mesh_vertices(rings)) {
+            join_places();
+            rings = split();
         }
-        std::ranges::stable_sort(found, std::ranges::greater(), [&](const Ring& ring) { return length(ring); });
-        return found;
+        find_error();
+        for (std::size_t round = outline_.size(); round > 0 && mend(rings); --round) rings = split();
+        return apart(std::move(rings));
     }
 
-    [[nodiscard]] std::array<double, 2> place(std::int32_t v) const {
-        return {vertices_[at(3 * v)], vertices_[at(3 * v) + 1]};
-    }
+    [[nodiscard]] const exact::Point& place(std::int32_t v) const { return places_[at(v)]; }
 
 private:
     static bool by_ends(const OutlineEdge& a, const OutlineEdge& b) {
@@ -83,7 +93,7 @@ private:
     // Ties leave vertices at one place, also where the outline touches itself. The first then stands for all.
     void join_places() {
         const std::vector<OutlineEdge> given = std::move(outline_);
-        std::vector<std::int32_t> order(vertices_.size() / 3);
+        std::vector<std::int32_t> order(places_.size());
         std::iota(order.begin(), order.end(), 0);
         std::ranges::stable_sort(order, {}, [&](std::int32_t v) { return place(v); });
         std::vector<std::int32_t> first(order.size());
@@ -96,6 +106,34 @@ private:
             if (edge.from != edge.to) outline_.push_back(edge);
         }
         std::ranges::stable_sort(outline_, by_ends);
+    }
+    // Two edges of the mesh meet in a vertex, which is not rounded. Returns whether places changed.
+    bool keep_mesh_vertices(const std::vector<Ring>& rings) {
+        const auto& side = cells_.mesh.given();
+        bool moved = false;
+        for (const Ring& ring : rings)
+            for (std::size_t e = 0; e < ring.size(); ++e) {
+                const OutlineEdge &edge = ring[e], &next = ring[(e + 1) % ring.size()];
+                if (edge.on_surface == 0 || next.on_surface == 0 || edge.source == next.source) continue;
+                const std::int32_t v = side[2 * at(edge.source)][1];  // u v v' of the edge u v
+                if (side[2 * at(next.source)][0] != v) continue;
+                const exact::Point& x = cells_.mesh.vertex(v);
+                const exact::Point given{x[0] / cells_.scale, x[1] / cells_.scale, 0};
+                moved = moved || given != place(edge.to);
+                places_[at(edge.to)] = given;
+            }
+        return moved;
+    }
+    // Finds a bound on the errors of corners.
+    void find_error() {
+        constexpr double of_extent = 0x1p-40, of_coordinate = 0x1p-50;
+        double extent = 0, coordinate = 0;
+        for (const OutlineEdge& edge : outline_)
+            for (std::size_t k = 0; k < 2; ++k) {
+                extent = std::max(extent, std::abs(place(edge.from)[k] - place(outline_.front().from)[k]));
+                coordinate = std::max(coordinate, std::abs(place(edge.from)[k]));
+            }
+        error_ = of_extent * extent + of_coordinate * coordinate;
     }
     [[nodiscard]] std::vector<Ring> split() const {
         std::vector<Ring> found;
@@ -110,7 +148,6 @@ private:
                 if (begin != path.end()) {
                     Ring ring(begin, path.end());
                     join_lines(ring);
-                    drop_short_edges(ring);
                     if (ring.size() > 2) found.push_back(std::move(ring));
                     path.erase(begin, path.end());
                 }
@@ -140,103 +177,211 @@ private:
         }
         ring.resize(out + 1);
     }
-    // Ties leave edges whose ends are at one place. Near ties leave edges as short as the errors of corners, which
-    // rounding turns around: then the edges before and after cross.
-    void drop_short_edges(Ring& ring) const {
-        constexpr double of_extent = 0x1p-40, of_coordinate = 0x1p-50;
-        const auto close = [&] {
-            for (std::size_t e = 0; e < ring.size(); ++e) ring[e].to = ring[(e + 1) % ring.size()].from;
-        };
-        std::erase_if(ring, [&](const OutlineEdge& edge) { return place(edge.from) == place(edge.to); });
-        close();
-        double extent = 0, coordinate = 0;
-        for (const OutlineEdge& edge : ring)
-            for (std::size_t k = 0; k < 2; ++k) {
-                extent = std::max(extent, std::abs(place(edge.from)[k] - place(ring.front().from)[k]));
-                coordinate = std::max(coordinate, std::abs(place(edge.from)[k]));
+
+    // Bends edges that meet to a corner, by less than the error of corners. Returns whether it did.
+    bool mend(const std::vector<Ring>& rings) {
+        outline_.clear();
+        links_.clear();
+        for (const Ring& ring : rings)
+            for (std::size_t e = 0; e < ring.size(); ++e) {
+                const std::size_t first = outline_.size() - e;
+                links_.push_back({first, first + (e + 1) % ring.size()});
+                outline_.push_back(ring[e]);
             }
-        const double error = of_extent * extent + of_coordinate * coordinate;
-        for (std::size_t e = 0; e < ring.size();) {
-            if (length({ring[e]}) > error ||
-                !cross(ring[(e + ring.size() - 1) % ring.size()], ring[(e + 1) % ring.size()])) {
-                ++e;
-                continue;
-            }
-            ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(e));
-            close();
-            e = 0;
-        }
+        std::vector<bool> bent(outline_.size());
+        for (const auto& [e, f] : meetings())
+            if (!bent[e] && !bent[f]) bend(e, f, bent);
+        if (outline_.size() == bent.size()) return false;
+        std::ranges::stable_sort(outline_, by_ends);
+        const std::vector<OutlineEdge> all = outline_;  // a ring along another one, or along itself, opens
+        std::erase_if(outline_, [&](const OutlineEdge& edge) {
+            return std::ranges::binary_search(all, OutlineEdge{edge.to, edge.from, 0, 0}, by_ends);
+        });
+        return true;
     }
-    [[nodiscard]] bool cross(const OutlineEdge& one, const OutlineEdge& other) const {
-        const auto divides = [&](const OutlineEdge& edge, std::int32_t near, std::int32_t a, std::int32_t b) {
-            const std::int32_t far = near == edge.from ? edge.to : edge.from;
-            const double turn_a = turn(near, far, a), turn_b = turn(near, far, b);
-            return (turn_a < 0 && turn_b > 0) || (turn_a > 0 && turn_b < 0);
+    [[nodiscard]] bool is_beside(std::int32_t v, const OutlineEdge& edge) const {
+        double before = 0, behind = 0;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const double along = place(edge.to)[k] - place(edge.from)[k];
+            before += along * (place(v)[k] - place(edge.from)[k]);
+            behind += along * (place(edge.to)[k] - place(v)[k]);
+        }
+        return before > 0 && behind > 0;
+    }
+    // Bends one of two edges to an end of the other one, if that is near.
+    void bend(std::size_t e, std::size_t f, std::vector<bool>& bent) {
+        std::size_t which = none;
+        std::int32_t corner = 0;
+        double nearest = error_;
+        for (const auto& [a, b] : {std::pair(e, f), std::pair(f, e)})
+            for (const std::int32_t v : {outline_[b].from, outline_[b].to}) {
+                const OutlineEdge& edge = outline_[a];
+                const double away = std::abs(turn(edge.from, edge.to, v)) / length(edge);
+                if (is_beside(v, edge) && away <= nearest) which = a, corner = v, nearest = away;
+            }
+        if (which == none) return;
+        OutlineEdge half = outline_[which];
+        outline_[which].to = half.from = corner;
+        outline_.push_back(half);
+        bent[which] = true;
+    }
+    // Returns the pairs of edges that have more in common than their ring or rings may.
+    [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> meetings() const {
+        std::vector<std::size_t> order(outline_.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::ranges::stable_sort(order, {}, [&](std::size_t e) { return span(outline_[e], 0).first; });
+        std::vector<std::pair<std::size_t, std::size_t>> found;
+        for (auto e = order.begin(); e != order.end(); ++e) {
+            const double right = span(outline_[*e], 0).second;
+            const auto [low, high] = span(outline_[*e], 1);
+            for (auto f = e + 1; f != order.end() && span(outline_[*f], 0).first <= right; ++f)
+                if (span(outline_[*f], 1).first <= high && low <= span(outline_[*f], 1).second && meet(*e, *f))
+                    found.push_back({*e, *f});
+        }
+        return found;
+    }
+    // The boxes of the edges meet. Edges of one ring may share the corner between them, those of two rings any place.
+    [[nodiscard]] bool meet(std::size_t e, std::size_t f) const {
+        const OutlineEdge &a = outline_[e], &b = outline_[f];
+        const auto side = [&](const OutlineEdge& edge, std::int32_t v) {
+            return cross_sign(place(edge.from), place(edge.to), place(v), 2);
         };
-        return divides(one, one.to, other.from, other.to) && divides(other, other.from, one.from, one.to);
+        const auto overlap = [&](std::size_t k) {
+            return std::max(span(a, k).first, span(b, k).first) < std::min(span(a, k).second, span(b, k).second);
+        };
+        const bool apart = links_[e].ring == links_[f].ring && links_[e].next != f && links_[f].next != e;
+        const std::array<int, 4> sides{side(a, b.from), side(a, b.to), side(b, a.from), side(b, a.to)};
+        if (sides == std::array<int, 4>{}) return apart || overlap(0) || overlap(1);
+        const int first = sides[0] * sides[1], second = sides[2] * sides[3];
+        return apart ? first <= 0 && second <= 0 : first < 0 && second < 0;
+    }
+    [[nodiscard]] std::pair<double, double> span(const OutlineEdge& edge, std::size_t k) const {
+        return std::minmax({place(edge.from)[k], place(edge.to)[k]});
+    }
+
+    // Returns the outlines, each with its holes.
+    [[nodiscard]] std::vector<Polygon> apart(std::vector<Ring> rings) const {
+        std::ranges::stable_sort(rings, std::ranges::greater(), [&](const Ring& ring) { return std::abs(area(ring)); });
+        if (!rings.empty())
+            rings.erase(
+                std::remove_if(rings.begin() + 1, rings.end(), [&](const Ring& ring) { return is_rounding(ring); }),
+                rings.end());
+        std::vector<Polygon> found;
+        double first = 0;
+        for (Ring& ring : rings) {
+            const double own = area(ring);
+            if (found.empty()) first = own;
+            if (own * first > 0 || found.empty()) found.emplace_back();
+            auto of = found.end() - 1;
+            while (of != found.begin() && !of->rings.empty() && !contains(of->rings.front(), ring)) --of;
+            of->rings.push_back(std::move(ring));
+        }
+        if (found.size() == 1) {
+            found.front().area = area_;
+            found.front().centroid = centroid_;
+            return found;
+        }
+        double sum = 0;
+        for (Polygon& polygon : found) sum += measure(polygon);
+        for (Polygon& polygon : found) polygon.area *= area_ / sum;
+        return found;
+    }
+    // Returns whether a ring other than the largest one has no area, except for rounding. Holes of a mesh may be as
+    // thin.
+    [[nodiscard]] bool is_rounding(const Ring& ring) const {
+        double perimeter = 0;
+        for (const OutlineEdge& edge : ring) perimeter += length(edge);
+        return std::abs(area(ring)) <= error_ * perimeter && !std::ranges::all_of(ring, &OutlineEdge::on_surface);
+    }
+    // Returns whether a ring surrounds the middle of the first edge of another one.
+    [[nodiscard]] bool contains(const Ring& ring, const Ring& other) const {
+        const exact::Point &from = place(other.front().from), &to = place(other.front().to);
+        const double x = 0.5 * (from[0] + to[0]), y = 0.5 * (from[1] + to[1]);
+        bool inside = false;
+        for (const OutlineEdge& edge : ring) {
+            const exact::Point &a = place(edge.from), &b = place(edge.to);
+            if ((a[1] <= y) != (b[1] <= y) && a[0] + (b[0] - a[0]) * ((y - a[1]) / (b[1] - a[1])) > x) inside = !inside;
+        }
+        return inside;
+    }
+    // Finds the area and the centroid from the rings. Returns the area.
+    double measure(Polygon& polygon) const {
+        const std::int32_t base = polygon.rings.front().front().from;
+        for (const Ring& ring : polygon.rings)
+            for (const OutlineEdge& edge : ring) {
+                const double doubled = turn(base, edge.from, edge.to);
+                polygon.area += 0.5 * doubled;
+                for (std::size_t k = 0; k < 2; ++k)
+                    polygon.centroid[k] +=
+                        doubled * (place(edge.from)[k] - place(base)[k] + (place(edge.to)[k] - place(base)[k]));
+            }
+        for (std::size_t k = 0; k < 2; ++k)
+            polygon.centroid[k] = place(base)[k] + polygon.centroid[k] / (6 * polygon.area);
+        return polygon.area;
     }
     // Returns twice the area of a triangle, positive if it is counterclockwise.
     [[nodiscard]] double turn(std::int32_t a, std::int32_t b, std::int32_t c) const {
-        const auto from = place(a), to = place(b), third = place(c);
+        const exact::Point &from = place(a), &to = place(b), &third = place(c);
         return (to[0] - from[0]) * (third[1] - from[1]) - (third[0] - from[0]) * (to[1] - from[1]);
     }
+    // Returns twice the area within a ring.
     [[nodiscard]] double area(const Ring& ring) const {
         double sum = 0;
         for (const OutlineEdge& edge : ring) sum += turn(ring.front().from, edge.from, edge.to);
         return sum;
     }
-    [[nodiscard]] double length(const Ring& ring) const {
-        double sum = 0;
-        for (const OutlineEdge& edge : ring) {
-            const auto a = place(edge.from), b = place(edge.to);
-            sum += std::hypot(b[0] - a[0], b[1] - a[1]);
-        }
-        return sum;
+    [[nodiscard]] double length(const OutlineEdge& edge) const {
+        return std::hypot(place(edge.to)[0] - place(edge.from)[0], place(edge.to)[1] - place(edge.from)[1]);
     }
 
-    std::span<const double> vertices_;
+    struct Link {
+        std::size_t ring, next;  // the first edge of the ring
+    };
+    static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+    const MeshCells& cells_;
+    double area_;
+    std::array<double, 2> centroid_;
+    std::vector<exact::Point> places_;  // z = 0
+    double error_ = 0;                  // of places
     std::vector<OutlineEdge> top_, sides_, outline_;
+    std::vector<Link> links_;  // of the outline, while it is mended
 };
 
 }  // namespace
 
 Pieces flat_pieces(const Pieces& prisms, const MeshCells& cells, std::span<const std::int32_t> edges) {
-    // Returns the vertex of the mesh that ends an edge of an outline, if the next one lies on another edge there.
-    const auto mesh_vertex = [&](const OutlineEdge& edge,
-                                 const OutlineEdge& next) -> std::optional<std::array<double, 2>> {
-        if (edge.on_surface == 0 || next.on_surface == 0 || edge.source == next.source) return std::nullopt;
-        const auto& side = cells.mesh.given();
-        const std::int32_t v = side[2 * at(edge.source)][1];  // u v v' of the edge u v
-        if (side[2 * at(next.source)][0] != v) return std::nullopt;
-        const exact::Point& x = cells.mesh.vertex(v);
-        return std::array{x[0] / cells.scale, x[1] / cells.scale};
-    };
     Pieces flat;
     flat.indptr = flat.vertex_offsets = flat.triangle_offsets = {0};
-    const auto add = [&](std::size_t p) {
-        PrismPiece piece(prisms, p);
-        const std::vector<Ring> rings = piece.rings();
-        if (rings.empty()) return;  // without an area, except for rounding
-        std::int32_t first = 0;     // vertex of the ring
-        for (const Ring& ring : rings)
-            for (std::size_t e = 0; e < ring.size(); ++e) {
-                const OutlineEdge &edge = ring[e], &before = ring[e > 0 ? e - 1 : ring.size() - 1];
-                const auto x = mesh_vertex(before, edge).value_or(piece.place(edge.from));
-                flat.vertices.insert(flat.vertices.end(), x.begin(), x.end());
-                const auto v = static_cast<std::int32_t>(e);
-                const std::int32_t next = e + 1 < ring.size() ? v + 1 : 0;
-                flat.triangles.insert(flat.triangles.end(), {first + v, first + next});
+    const auto add = [&](const PrismPiece& piece, const Polygon& polygon) {
+        std::int32_t first = 0;  // vertex of the ring
+        for (const Ring& ring : polygon.rings) {
+            const auto size = static_cast<std::int32_t>(ring.size());
+            for (std::int32_t v = 0; v < size; ++v) {
+                const OutlineEdge& edge = ring[at(v)];
+                const exact::Point& x = piece.place(edge.from);
+                flat.vertices.insert(flat.vertices.end(), {x[0], x[1]});
+                flat.triangles.insert(flat.triangles.end(), {first + v, first + (v + 1) % size});
                 flat.on_surface.push_back(edge.on_surface);
                 flat.sources.push_back(edge.on_surface != 0 ? edges[at(edge.source)] : edge.source);
-                if (next == 0) first += static_cast<std::int32_t>(ring.size());
             }
+            first += size;
+        }
         flat.vertex_offsets.push_back(static_cast<std::int64_t>(flat.vertices.size() / 2));
         flat.triangle_offsets.push_back(static_cast<std::int64_t>(flat.sources.size()));
-        flat.volumes.push_back(prisms.volumes[p]);
-        for (std::size_t k = 0; k < 2; ++k) flat.centroids.push_back(prisms.centroids[3 * p + k]);
+        flat.volumes.push_back(polygon.area);
+        flat.centroids.insert(flat.centroids.end(), polygon.centroid.begin(), polygon.centroid.end());
     };
     for (std::size_t row = 0; row + 1 < prisms.indptr.size(); ++row) {
-        for (std::int64_t p = prisms.indptr[row]; p < prisms.indptr[row + 1]; ++p) add(at(p));
+        std::vector<PrismPiece> pieces;
+        std::vector<std::pair<std::size_t, Polygon>> polygons;
+        for (std::int64_t p = prisms.indptr[row]; p < prisms.indptr[row + 1]; ++p) {
+            pieces.emplace_back(prisms, at(p), cells);
+            for (Polygon& polygon : pieces.back().polygons())
+                polygons.emplace_back(pieces.size() - 1, std::move(polygon));
+        }
+        std::ranges::stable_sort(polygons, std::ranges::greater(), [](const auto& one) { return one.second.area; });
+        for (const auto& [piece, polygon] : polygons) add(pieces[piece], polygon);
         flat.indptr.push_back(static_cast<std::int64_t>(flat.size()));
     }
     return flat;

@@ -211,6 +211,8 @@ class Hdf5Files(Hdf5Test):
                 self.assert_points("ids.h5", points[:2], ids=[7, last])
             else:  # HDF5 would convert it to 2**63 - 1
                 self.refuse("ids.h5", says="row 1 = 9223372036854775808 is too large for int64")
+        for name in ("ids", "id"):
+            self.refuse(self.save("ids.h5", points=points, **{name: np.arange(2)}), says=[name, "expected a number for each of the 300 points"])
         message = self.refuse("a.hdf5", says=["PartType0/Coordinates", "PartType1/Coordinates"])
         self.assertNotIn("Velocities", message)
         self.assertNotIn("Velocities", self.refuse("a.hdf5", "--dataset", "PartType3", says="PartType1/Coordinates"))

@@ -242,8 +242,7 @@ class Source(CliTest):
         np.save(whole, points)
         whole = whole.getvalue()
         record = np.zeros(3, dtype=[("x", "f8"), ("y", "f8"), ("z", "f8")])
-        for content, says in [(points.astype(">f8"), ["big-endian", "'>f8'"]), (points.astype(">f4"), "big-endian"),
-                              (points.astype("i8"), "'<i8'"), (points.astype("f2"), "'<f2'"), (record, "records"),
+        for content, says in [(points.astype("i8"), "'<i8'"), (points.astype(">c16"), "'>c16'"), (record, "records"),
                               (points[:, :1], "(10, 1)"), (points.ravel(), "(30,)"), (np.float64(3), "()"),
                               (points.reshape(1, 10, 3), "(1, 10, 3)"), (points.reshape(5, 6), "(5, 6)"),
                               (whole[:-1], "239 bytes"), (whole + b"x", "241 bytes"), (whole[:50], "too early"),

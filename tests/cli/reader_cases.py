@@ -100,13 +100,44 @@ class ArrayFiles(ReaderTest):
                 member.write(whole.getvalue())
         self.assert_points("z64.npz", points)
 
+    def test_numbers_of_any_type_and_order(self):
+        """Points, ids, columns and domains. Those of NumPy are as astype() makes them."""
+        points = np.concatenate([random_points(200), [(2.0**-24, 2.0**-14, 0.25)]])  # the first two: the least of float16
+        ids, cell = np.arange(201) % 100, np.diag([3, 2, 5])
+        for order in "<>":
+            for kind in ("f2", "f4", "f8"):
+                with self.subTest(order + kind):
+                    some = points.astype(order + kind)
+                    np.savez(self.folder / "a.npz", points=some, radii=some[:, 0])
+                    self.assert_points("a.npz", some.astype(float))
+                    self.assert_column("a.npz", some[:, 0].astype(float), "radii")
+                    np.save(self.folder / "a.npy", np.asfortranarray(some))
+                    self.assert_points("a.npy", some.astype(float))
+            for kind in ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "f2", "f4", "f8"):
+                with self.subTest(order + kind):
+                    more = {} if kind[0] == "f" else {"ids": ids.astype(order + kind)}
+                    np.savez(self.folder / "a.npz", points=points, k=ids.astype(order + kind), **more,
+                             box=np.array([(0, 0, 0), (3, 2, 5)], order + kind), periodic=np.ones(3, bool),
+                             cell=cell.astype(order + kind), origin=np.zeros(3, order + kind))
+                    self.assert_points("a.npz", points, **({"ids": ids} if more else {}))
+                    self.assert_column("a.npz", ids, "k")
+                    self.assertEqual(self.json("a.npz")["box_volume"], 30)
+        np.savez(self.folder / "a.npz", points=points, ids=np.full(201, 2**63, ">u8"))
+        self.refuse("a.npz", says="number 0 = 9223372036854775808 is too large for int64")
+        np.save(self.folder / "a.npy", np.array([np.inf, -np.inf, np.nan], ">f2").repeat(3).reshape(3, 3))
+        self.refuse("a.npy", says="point 0: x = inf")
+
     def test_npz_refused(self):
         points = random_points(50)
         for arrays, says in [({"a": points, "b": points}, ["several", "--dataset", "a b"]),
                              ({"a": points[:, :1]}, "(N, 3)"), ({"points": points[:, :1]}, ["(50, 1)", "(N, 3) or (N, 2)"]),
                              ({"points": points.astype(int)}, "'<i8'"), ({}, "(N, 3)"),
                              ({"x": points[:, 0], "y": points[:9, 0], "z": points[:, 0]}, ["y has 9", "50"]),
-                             ({"x": points, "y": points[:, 0], "z": points[:, 0]}, "x is not an array")]:
+                             ({"x": points, "y": points[:, 0], "z": points[:, 0]}, "x is not an array"),
+                             ({"points": points, "ids": np.arange(49)}, ["ids has 49 numbers, the array of points has 50"]),
+                             ({"points": points, "id": np.arange(51)}, "id has 51 numbers"),
+                             ({"points": points, "ids": points[:, 0]}, "ids are not a list of whole numbers"),
+                             ({"points": points, "ids": np.zeros((50, 1), int)}, "ids are not a list of whole numbers")]:
             np.savez(self.folder / "a.npz", **arrays)
             self.refuse("a.npz", "-o", "out.txt", says=["a.npz"] + ([says] if isinstance(says, str) else says))
         np.savez(self.folder / "a.npz", points=points, r=points[:9, 0], s=points)

@@ -75,6 +75,7 @@ def glb_cube():
     return glb(nodes, [], arrays, meshes=meshes, scene=0, scenes=[{"nodes": [0]}])
 
 
+MOVES = {"a skin": {"skin": 0}, "weights": {"weights": [0, 0.5]}, "EXT_mesh": {"extensions": {"EXT_mesh_gpu_instancing": {}}}}
 OFF = "OFF # a cube\n\n8 6 12\n" + lines("{} {} {}", CORNERS) + lines("4 {} {} {} {}  255 0 0", FACES)
 OBJ = "mtllib a.mtl\no cube\n" + lines("v {} {} {} 1", CORNERS) + "vt 0 0\n" + "usemtl b\n" + \
     lines("f {}/1 {}/1/2 {}//3 {}", [[v + 1 if v < 4 else v - 8 for v in f] for f in FACES])
@@ -301,6 +302,18 @@ class Mesh(CliTest):
         self.assertAlmostEqual(grid[1, 1, 1], 1.75, places=12)
         self.assertAlmostEqual(grid.sum(), 1.75, places=12)
 
+    def test_what_moves_other_vertices_of_a_glb(self):
+        """Nodes outside of the scene, without a mesh, or with a mesh of lines, and weights that a node replaces."""
+        up = np.array([(x, z, -y) for x, y, z in CORNERS], "f4")
+        cube = {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}
+        lines = {"primitives": [{"attributes": {"POSITION": 0}, "mode": 1}], "weights": [1]}
+        for more in MOVES.values():
+            for nodes, first in (([{"mesh": 0}, {"mesh": 0, **more}], cube), ([{"mesh": 0, "children": [1]}, more], cube),
+                                 ([{"mesh": 0, "children": [1]}, {"mesh": 1, **more}], cube),
+                                 ([{"mesh": 0, "weights": [0]}], {**cube, "weights": [1]})):
+                self.put("b.glb", glb(nodes, [], [up, np.array(TRIANGLES, "B").ravel()], meshes=[first, lines], scene=0, scenes=[{"nodes": [0]}]))
+                self.assertAlmostEqual(self.json("--random", 9, "--mesh", "b.glb")["volume_sum"], 1, places=12)
+
     def test_refusals(self):
         self.put("a.off", OFF)
         run = ["--random", 9, "--mesh"]
@@ -326,9 +339,8 @@ class Mesh(CliTest):
                 ("b.glb", glb([{"mesh": 0}], [{"attributes": {"POSITION": 0}}], [np.zeros((9, 3), "f4")])
                  .replace(b'"count": 9', b'"count":99'), "accessor 0 reaches beyond its bytes"),
                 ("b.glb", glb_cube().replace(b'[{"byteLength"', b'[{"uri":"","b"'), ['"uri"', "write .ply"]),
-                ("b.glb", glb([{"mesh": 0, "skin": 0}], [], []), "placed by a skin"),
-                ("b.glb", glb([{"mesh": 0, "weights": [0, 0.5]}], [], []), "placed by weights"),
-                ("b.glb", glb([{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}], [], []), "placed by EXT_mesh"),
+                *(("b.glb", glb([{"mesh": 0, **more}], [{"attributes": {"POSITION": 0}}], [np.zeros((3, 3), "f4")]), f"placed by {says}")
+                  for says, more in MOVES.items()),
                 ("b.glb", glb([{"mesh": 0, "rotation": [0, 0, 1, 1]}], [], []), "not of length 1"),
                 ("b.glb", glb([], [], [], extensionsRequired=["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
                 ("b.off", OFF.replace("4 0 4 6 2  255 0 0\n", "").replace("8 6", "8 5"), ["edge between vertices 0 (0, 0, 0) and 2 (0, 1, 0)", "4 edges", "close the hole"]),

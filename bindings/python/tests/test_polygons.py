@@ -249,21 +249,86 @@ class Polygons(unittest.TestCase):
                 if len(points) == 1:
                     self.assertEqual([len(pieces), len(pieces.rings(0))], [1, 1 + len(holes)])
 
-    def test_no_ring_crosses_itself(self):
-        """Four cells of a turned lattice nearly meet in a point, and rounding turns the edge there around."""
-        square = {"type": "Polygon", "coordinates": [[(-1, -1), (1, -1), (1, 1), (-1, 1)]]}
+    def check_simple(self, pieces):
+        """Asserts in fractions that no ring touches itself, none crosses another, and that their areas are those of the pieces."""
 
         def turn(a, b, c):
-            return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+            product = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+            return (product > 0) - (product < 0)
 
-        for size in range(2, 7):
-            lattice = np.stack(np.meshgrid(np.arange(size), np.arange(size)), axis=-1).reshape(-1, 2) / size * 2 - 1
-            pieces = vt.tessellate(0.7 * lattice @ [(0.6, 0.8), (-0.8, 0.6)], mesh=square).pieces()
-            for k in range(len(pieces)):
-                (ring,) = pieces.rings(k)
-                corners = exact(ring)
-                for (a, b), (c, d) in itertools.combinations(zip(corners, corners[1:] + corners[:1]), 2):
-                    self.assertFalse(turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0)
+        def overlap(e, f, closed):
+            gaps = [min(max(p[k] for p in e), max(p[k] for p in f)) - max(min(p[k] for p in e), min(p[k] for p in f)) for k in range(2)]
+            return min(gaps) >= 0 if closed else max(gaps) > 0
+
+        for k in range(len(pieces)):
+            rings = pieces.rings(k)
+            edges = [(number, i, len(ring), (p, q)) for number, ring in enumerate(map(exact, rings))
+                     for i, (p, q) in enumerate(zip(ring, ring[1:] + ring[:1]))]
+            for (r, i, size, e), (s, j, _, f) in itertools.combinations(edges, 2):
+                if not overlap(e, f, closed=True):
+                    continue
+                signs = [turn(*e, f[0]), turn(*e, f[1]), turn(*f, e[0]), turn(*f, e[1])]
+                touch = signs[0] * signs[1] <= 0 and signs[2] * signs[3] <= 0
+                if not any(signs):
+                    self.assertFalse(overlap(e, f, closed=False), (k, e, f))
+                elif r == s and (j - i) % size not in (1, size - 1):
+                    self.assertFalse(touch, (k, e, f))
+                else:
+                    self.assertFalse(touch and all(signs), (k, e, f))
+            areas = [signed_area(exact(ring)) for ring in rings]
+            self.assertEqual([area > 0 for area in areas], [True] + [False] * (len(rings) - 1))
+            around = sum(float(np.hypot(*(ring - np.roll(ring, -1, axis=0)).T).sum()) for ring in rings)
+            self.assertAlmostEqual(float(sum(areas)), pieces.volumes[k], delta=2.0**-45 * around * np.abs(rings[0]).max())
+
+    def test_no_ring_crosses_itself(self):
+        """Seeds that nearly tie, about a point, in lattices and about corners of the polygon, far from the origin too."""
+        split = 0
+        for number in range(90):
+            random = np.random.default_rng(number)
+            n = int(random.integers(2, 6))
+            turns = np.arange(4 * n) * (np.pi / (2 * n))
+            points = [np.stack([np.cos(turns), np.sin(turns)], axis=1) * n / 2 + n / 2,
+                      np.stack(np.meshgrid(np.arange(n), np.arange(n)), axis=-1).reshape(-1, 2),
+                      np.unique(random.integers(0, n + 1, (n + 3, 2)), axis=0)][number % 3]
+            points = points + 10.0 ** -random.uniform(12, 17) * random.normal(size=points.shape)
+            rings = [[(0, 0), (n, 0), (n, n), (n / 2, n / 2), (0, n)], [(-1, -1), (n, -1), (n, n), (-1, n)]][number % 2 :][:1]
+            if number % 2:
+                rings.append([(n / 2, n / 2), (n / 4, n / 2), (n / 4, 3 * n / 4), (n / 2, 3 * n / 4)][:: random.choice([1, -1])])
+                if signed_area(exact(rings[1])) > 0:
+                    rings[1].reverse()
+            turned = random.choice([0, 0.3, np.arctan2(3, 4)])
+            axes = np.array([(np.cos(turned), np.sin(turned)), (-np.sin(turned), np.cos(turned))]) * random.choice([1, 0.1])
+            move = random.choice([0, 1, 1e3, 1e6])
+            with self.subTest(number):
+                t = vt.tessellate(points @ axes + move, mesh=mesh_of([np.array(ring) @ axes + move for ring in rings]))
+                pieces = t.pieces()
+                self.check_simple(pieces)
+                for row in range(len(t)):
+                    volumes = pieces.volumes[pieces.indptr[row] : pieces.indptr[row + 1]]
+                    self.assertTrue((np.diff(volumes) <= 0).all())
+                np.testing.assert_allclose(np.bincount(pieces.cells, pieces.volumes, len(t)), t.volumes, atol=1e-12 * t.volumes.sum())
+                split += (np.diff(pieces.indptr) > 1).sum()
+        self.assertGreater(split, 5)
+
+    def test_a_piece_as_narrow_as_rounding_is_two(self):
+        """The inward corner of the second outline lies on the bisector by its last digits alone."""
+        for away in 2.0 ** np.arange(-54, -38, 1.0):
+            for move in (0.0, 1000.0):
+                outline = np.array([(0, 0), (2, 0), (2, 2), (1.25, 0.5 + away), (1, 2), (0, 2)]) + move
+                t = vt.tessellate(np.array([(1, 0.2), (1, 0.8)]) + move, mesh=mesh_of([outline]))
+                self.check_simple(t.pieces())
+                outline = np.array([(0, 0), (2, 0), (2, 2), (0, 2)]) + move
+                hole = np.array([(0.5, 0.5 + away), (0.5, 1.5), (1.5, 1.5), (1.5, 0.5 + away)]) + move  # along the bisector
+                pieces = vt.tessellate(np.array([(1, 0.2), (1, 0.8)]) + move, mesh=mesh_of([outline, hole])).pieces()
+                self.check_simple(pieces)
+                self.assertAlmostEqual(pieces.volumes.sum(), 3, 9)
+
+    def test_the_outline_is_first_also_where_a_hole_is_longer(self):
+        turns = np.arange(200) * (np.pi / 100)
+        star = np.stack([np.cos(turns), np.sin(turns)], axis=1) * np.where(np.arange(200) % 2, 0.9, 0.1)[:, None]
+        t = vt.tessellate([(0.95, 0.95)], mesh=mesh_of([np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]), star[::-1]]))
+        self.assertEqual([len(ring) for ring in t.pieces().rings(0)], [4, 200])
+        self.check_simple(t.pieces())
 
     def test_rings_keep_the_area_where_an_inward_corner_touches_a_side(self):
         """Two long edges beside a long one cross by their last digits."""

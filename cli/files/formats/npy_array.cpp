@@ -1,7 +1,7 @@
 #include "files/formats/npy_array.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -19,7 +19,26 @@ std::string text_of(std::span<const std::uint64_t> shape) {
     return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-static_assert(std::endian::native == std::endian::little, "arrays are read without conversion");
+// Returns nothing unless a type such as <f8 is one of numbers.
+std::optional<NumberType> number_of(std::string_view type) {
+    using enum NumberType;
+    constexpr std::array<std::pair<std::string_view, NumberType>, 12> types{{{"b1", uint8},
+                                                                             {"i1", int8},
+                                                                             {"u1", uint8},
+                                                                             {"i2", int16},
+                                                                             {"u2", uint16},
+                                                                             {"i4", int32},
+                                                                             {"u4", uint32},
+                                                                             {"i8", int64},
+                                                                             {"u8", uint64},
+                                                                             {"f2", float16},
+                                                                             {"f4", float32},
+                                                                             {"f8", float64}}};
+    const auto found = std::ranges::find(types, type.substr(std::min<std::size_t>(1, type.size())),
+                                         [](const auto& t) { return t.first; });
+    if (found == types.end() || std::string_view("<>|=").find(type[0]) == std::string_view::npos) return std::nullopt;
+    return found->second;
+}
 
 constexpr const char* ends_early = "the file ends too early";
 
@@ -74,6 +93,8 @@ void NpyArray::parse_header(std::string_view dict) {
         throw error("cannot read the type in the header");
     }
     type_ = type.substr(1, type_end - 1);
+    number_ = number_of(type_);
+    swapped_ = type_.starts_with('>');
 
     const std::string_view order = value_of("fortran_order");
     column_major_ = order.starts_with("True");
@@ -102,13 +123,7 @@ void NpyArray::parse_header(std::string_view dict) {
 }
 
 void NpyArray::check_points(std::span<const std::size_t> columns) const {
-    if (type_ == ">f8" || type_ == ">f4") {
-        throw error("big-endian numbers (" + in_quotes(type_) +
-                    ") are not supported: save points.astype(\"<f8\") instead");
-    }
-    if (!is_float()) {
-        throw error("array of type " + in_quotes(type_) + ", expected float64 or float32: save points.astype(float)");
-    }
+    if (!is_float()) throw error("array of type " + in_quotes(type_) + ", expected floats: save points.astype(float)");
     std::string expected;
     for (const std::size_t count : columns) {
         if (has_columns(count)) return;
@@ -117,7 +132,8 @@ void NpyArray::check_points(std::span<const std::size_t> columns) const {
     throw error("array of shape " + shape_text() + ", expected " + expected);
 }
 
-void NpyArray::check_size(std::size_t item_size) const {
+void NpyArray::check_size() const {
+    const std::size_t item_size = size_of(*number_);
     if (count_ <= bytes_ / item_size && bytes_ == count_ * item_size) return;
     const std::uint64_t columns = has_columns(3) || has_columns(2) ? shape_[1] : 1;
     throw error("the header announces " + std::to_string(count_ / columns) + (columns > 1 ? " points" : " numbers") +
@@ -126,105 +142,78 @@ void NpyArray::check_size(std::size_t item_size) const {
 }
 
 // Reads through a small buffer, so that the array is never in memory twice.
-template <typename Number, typename Take>
+template <typename Take>
 void NpyArray::next(std::uint64_t count, Take take) {
-    std::vector<Number> buffer(std::min<std::uint64_t>(count, std::uint64_t{1} << 16));
+    const std::size_t size = size_of(*number_);
+    std::vector<char> buffer(size * std::min<std::uint64_t>(count, std::uint64_t{1} << 16));
     for (std::uint64_t done = 0; done < count;) {
         throw_if_interrupted();
-        const auto some = std::min<std::uint64_t>(buffer.size(), count - done);
-        source_.read(buffer.data(), some * sizeof(Number));
-        for (std::uint64_t i = 0; i < some; ++i, ++done) take(done, buffer[i]);
+        const auto bytes = std::min<std::uint64_t>(buffer.size(), size * (count - done));
+        source_.read(buffer.data(), bytes);
+        for (std::uint64_t i = 0; i < bytes; i += size) take(done++, &buffer[i]);
     }
 }
 
-template <typename Number, typename Take>
+template <typename Take>
 void NpyArray::each(Take take) {
-    check_size(sizeof(Number));
     const std::uint64_t columns = shape_.size() == 2 ? shape_[1] : 1;
-    next<Number>(count_, [&](std::uint64_t done, Number value) {
+    next(count_, [&](std::uint64_t done, const char* value) {
         const std::uint64_t rows = count_ / columns;
         take(column_major_ ? done % rows * columns + done / rows : done, value);
     });
 }
 
-template <typename Number>
-void NpyArray::rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end) {
-    check_size(sizeof(Number));
+void NpyArray::read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end) {
+    check_size();
     const std::uint64_t columns = shape_[1], rows = shape_[0], taken = end - begin;
     to.resize(columns * taken);
-    const auto skip = [&](std::uint64_t numbers) { source_.skip(numbers * sizeof(Number)); };
+    const auto skip = [&](std::uint64_t numbers) { source_.skip(numbers * size_of(*number_)); };
+    const auto load = [&](const char* value) { return load_double(*number_, value, swapped_); };
     if (!column_major_) {
         skip(columns * begin);
-        next<Number>(columns * taken, [&](std::uint64_t k, Number value) { to[k] = value; });
+        next(columns * taken, [&](std::uint64_t k, const char* value) { to[k] = load(value); });
         return;
     }
     for (std::uint64_t c = 0; c < columns; ++c) {
         skip(begin);
-        next<Number>(taken, [&](std::uint64_t i, Number value) { to[columns * i + c] = value; });
+        next(taken, [&](std::uint64_t i, const char* value) { to[columns * i + c] = load(value); });
         skip(rows - end);
     }
 }
 
-void NpyArray::read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end) {
-    if (type_ == "<f8")
-        rows<double>(to, begin, end);
-    else
-        rows<float>(to, begin, end);
-}
-
-void NpyArray::read_floats(std::vector<double>& to, std::size_t offset, std::size_t stride) {
-    check_size(type_ == "<f4" ? sizeof(float) : sizeof(double));
+void NpyArray::read_numbers(std::vector<double>& to, std::size_t offset, std::size_t stride) {
+    check_size();
     if (count_ > 0 && to.size() < offset + stride * (count_ - 1) + 1) {
         to.resize(offset + stride * (count_ - 1) + 1);
     }
-    if (type_ == "<f8" && !column_major_ && stride == 1) {
+    if (is_float64() && !column_major_ && stride == 1) {
         source_.read(to.data() + offset, bytes_);
         return;
     }
-    const auto take = [&](std::uint64_t k, auto value) { to[offset + stride * k] = value; };
-    if (type_ == "<f8") {
-        each<double>(take);
-    } else {
-        each<float>(take);
-    }
+    each([&](std::uint64_t k, const char* value) { to[offset + stride * k] = load_double(*number_, value, swapped_); });
 }
 
 void NpyArray::read_next(std::uint64_t rows, std::vector<double>& to) {
-    check_size(type_ == "<f4" ? sizeof(float) : sizeof(double));
+    check_size();
     if (column_major_ && shape_[0] > 1)
         throw error("the array is stored column by column: save np.ascontiguousarray(points) to read it in pieces");
     const auto columns = static_cast<std::size_t>(shape_[1]);
     to.resize(columns * std::min(rows, shape_[0] - done_));
     done_ += to.size() / columns;
-    if (type_ == "<f8") return source_.read(to.data(), to.size() * sizeof(double));
-    std::vector<float> numbers(to.size());
-    source_.read(numbers.data(), numbers.size() * sizeof(float));
-    std::copy(numbers.begin(), numbers.end(), to.begin());
+    if (is_float64()) return source_.read(to.data(), to.size() * sizeof(double));
+    next(to.size(), [&](std::uint64_t k, const char* value) { to[k] = load_double(*number_, value, swapped_); });
 }
 
 std::vector<std::int64_t> NpyArray::read_whole() {
-    std::vector<std::int64_t> values;
-    const auto take = [&](std::uint64_t k, auto value) {
-        if constexpr (std::is_same_v<decltype(value), std::uint64_t>) {
-            if (value > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-                throw error("number " + std::to_string(k) + " = " + std::to_string(value) + " is too large for int64");
-            }
-        }
-        values[k] = static_cast<std::int64_t>(value);
-    };
-    check_size(type_[2] == '8' ? 8 : type_[2] == '4' ? 4 : 1);
-    values.resize(count_);
-    if (type_[0] == '|') {
-        each<std::uint8_t>(take);
-    } else if (type_ == "<i8") {
-        each<std::int64_t>(take);
-    } else if (type_ == "<u8") {
-        each<std::uint64_t>(take);
-    } else if (type_ == "<i4") {
-        each<std::int32_t>(take);
-    } else {
-        each<std::uint32_t>(take);
-    }
+    check_size();
+    std::vector<std::int64_t> values(count_);
+    each([&](std::uint64_t k, const char* value) {
+        const auto whole = load_whole(*number_, value, swapped_);
+        if (!whole)
+            throw error("number " + std::to_string(k) + " = " +
+                        std::to_string(load_number<std::uint64_t>(value, swapped_)) + " is too large for int64");
+        values[k] = *whole;
+    });
     return values;
 }
 

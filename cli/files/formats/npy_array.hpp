@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "failure.hpp"
+#include "files/binary_numbers.hpp"
 
 namespace clvotess {
 
@@ -30,17 +32,15 @@ public:
         return shape_.size() == 2 && shape_[1] == count;
     }
     [[nodiscard]] bool is_column() const noexcept { return shape_.size() == 1; }  // (N,)
-    [[nodiscard]] bool is_float() const noexcept { return type_ == "<f8" || type_ == "<f4"; }
-    [[nodiscard]] bool is_whole() const noexcept {
-        return type_ == "<i8" || type_ == "<i4" || type_ == "<u4" || type_ == "<u8" || type_ == "|u1" || type_ == "|b1";
-    }
+    [[nodiscard]] bool is_number() const noexcept { return number_.has_value(); }
+    [[nodiscard]] bool is_float() const noexcept { return number_ && clvotess::is_float(*number_); }
+    [[nodiscard]] bool is_whole() const noexcept { return number_ && !clvotess::is_float(*number_); }
     [[nodiscard]] bool is_flags() const noexcept { return type_ == "|b1"; }
     [[nodiscard]] std::string shape_text() const;
 
-    // Reads all values of a float64 or float32 array, in row-major order. Value k goes to to[offset + stride k]. Call
-    // it once.
-    void read_floats(std::vector<double>& to, std::size_t offset = 0, std::size_t stride = 1);
-    // Reads the rows begin to end of an array (N, K) of floats. The source must skip. Call it once.
+    // Reads all values of an array of numbers, in row-major order. Value k goes to to[offset + stride k]. Call it once.
+    void read_numbers(std::vector<double>& to, std::size_t offset = 0, std::size_t stride = 1);
+    // Reads the rows begin to end of an array (N, K) of numbers. The source must skip. Call it once.
     void read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end);
     // Reads the next rows of points, up to a number. Throws Failure for an array that is stored column by column.
     void read_next(std::uint64_t rows, std::vector<double>& to);
@@ -52,17 +52,18 @@ public:
 private:
     [[nodiscard]] Failure error(const std::string& message) const;
     void parse_header(std::string_view dict);
-    void check_size(std::size_t item_size) const;
-    template <typename Number, typename Take>
+    void check_size() const;
+    [[nodiscard]] bool is_float64() const { return number_ == NumberType::float64 && !swapped_; }
+    template <typename Take>
     void next(std::uint64_t count, Take take);
-    template <typename Number, typename Take>
+    template <typename Take>
     void each(Take take);
-    template <typename Number>
-    void rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end);
 
     ByteSource source_;
     std::string name_;
-    std::string type_;  // such as <f8
+    std::string type_;                  // such as <f8
+    std::optional<NumberType> number_;  // none for other types than those of numbers
+    bool swapped_ = false;              // in the other order of bytes
     bool column_major_ = false;
     std::vector<std::uint64_t> shape_;
     std::uint64_t count_ = 1;

@@ -397,7 +397,10 @@ private:
             const std::string path = group_of(name_) + name;
             if (path == name_ || !file.has(path) || file.is_group(path)) continue;
             Hdf5Dataset ids = open_column(file, path, rows);
-            if (!ids.is_column() || !ids.is_whole() || ids.rows() != rows) continue;
+            if (!ids.is_column() || !ids.is_whole()) continue;
+            if (ids.rows() != rows)
+                throw ids.error("has " + ids.description() + ", expected a number for each of the " +
+                                std::to_string(rows) + " points");
             part_->ids.emplace(std::move(ids));
             break;
         }
