@@ -53,8 +53,12 @@ std::optional<std::string> nearest_word(std::string_view typed, const std::vecto
     std::vector<std::string> names;
     each_option([&](const Option& option) { names.push_back(long_name(option).substr(2)); });
     const auto nearest = nearest_word(name, names);
+    const auto longer = std::ranges::find_if(
+        names, [&](const std::string& known) { return known.ends_with("-" + name) && nearest != known; });
+    std::string meant = nearest ? "--" + *nearest : "";
+    if (!name.empty() && longer != names.end()) meant += (meant.empty() ? "--" : " or --") + *longer;
     throw bad_input("unknown option " + in_quotes(word) +
-                    (nearest ? ": did you mean --" + *nearest + "?" : ": clvotess --help-all lists all options"));
+                    (meant.empty() ? ": clvotess --help-all lists all options" : ": did you mean " + meant + "?"));
 }
 
 // message: from CLI11; it begins with the name of the option.
@@ -117,7 +121,9 @@ Typed::Typed(int count, const char* const* values) {
         const auto extras = app.remaining();
         const std::string first = extras.empty() ? "" : extras.front();
         if (first.starts_with('-')) refuse_unknown(first);
-        throw bad_input("only one INPUT is possible, but " + in_quotes(first) + " is a second: run clvotess for each");
+        throw bad_input("only one INPUT is possible, but " + in_quotes(first) + " is a second: " +
+                        (read_double(first) ? "join the numbers of an option by commas, as in --box 0,0,0,1,1,1"
+                                            : "run clvotess for each"));
     } catch (const CLI::ArgumentMismatch& error) {
         refuse_values(app, error.what());
     } catch (const CLI::ParseError& error) {

@@ -193,6 +193,9 @@ private:
     [[nodiscard]] Placement placement(const Json& node) const {
         Placement result;
         if (const auto columns = numbers<16>(node, "matrix")) {
+            for (std::size_t k = 0; k < 4; ++k)
+                if ((*columns)[4 * k + 3] != (k < 3 ? 0 : 1))
+                    throw error("\"matrix\" of a node has another last row than 0, 0, 0, 1");
             for (std::size_t i = 0; i < 3; ++i)
                 for (std::size_t k = 0; k < 4; ++k) result.rows[i][k] = (*columns)[4 * k + i];
             return result;

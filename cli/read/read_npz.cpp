@@ -24,6 +24,8 @@ public:
             array.check_points(columns_of(request_.dimensions));
             array.read_numbers(input.points);
             input.dimensions = array.shape()[1];
+            const std::string name = plain_name(*points);
+            if (request_.dataset.empty() && name != "points") note("the points are its array " + name, input);
         } else {
             read_axes(input);
         }
@@ -114,34 +116,69 @@ private:
         throw bad_input(name_ + ": several arrays could be the points, name one with --dataset: " + list(candidates));
     }
 
-    // Returns the numbers of an array of that shape, with any number of rows for 0; empty without such an array.
+    // Returns whether an array has that shape, with any number of rows for 0.
+    [[nodiscard]] static bool fits(const NpyArray& array, std::size_t rows, std::size_t columns) {
+        const auto& shape = array.shape();
+        return shape.size() == (columns == 1 ? 1 : 2) && (rows == 0 || shape[0] == rows) &&
+               (columns == 1 || shape[1] == columns) && array.is_number();
+    }
+
+    // Returns the numbers of an array of that shape; empty without such an array.
     [[nodiscard]] std::vector<double> numbers(const char* name, std::size_t rows, std::size_t columns) const {
         std::vector<double> values;
         const ZipMember* const member = find(name);
         if (!member) return values;
         NpyArray array = open(*member);
-        const auto& shape = array.shape();
-        const bool fits = shape.size() == (columns == 1 ? 1 : 2) && (rows == 0 || shape[0] == rows) &&
-                          (columns == 1 || shape[1] == columns);
-        if (!fits || !array.is_number())
+        if (!fits(array, rows, columns))
             throw bad_input(name_ + ": " + name + " does not hold numbers with shape (" +
                             (rows == 0 ? std::string("W") : std::to_string(rows)) + ", " +
                             (columns == 1 ? std::string() : std::to_string(columns)) +
-                            "), which state a domain beside box and periodic: leave one of these out");
+                            "), which state a domain beside box: leave one of these out");
         return array.read_numbers(values), values;
     }
 
-    // Reads the domain in the arrays that clvotess writes.
-    void read_domain(Input& input) const {
-        if (!find("box") || !find("periodic")) return;
-        const std::size_t size = input.dimensions;
-        const std::vector<double> flags = numbers("periodic", size, 1), cell = numbers("cell", size, size),
-                                  origin = numbers("origin", size, 1);
-        std::array<bool, 3> periodic{};
-        for (std::size_t k = 0; k < size; ++k) periodic[k] = flags[k] != 0;
-        if (!cell.empty() && origin.empty()) throw bad_input(name_ + ": there is a cell, and no array \"origin\"");
-        input.domain = stated_domain(numbers("box", 2, size), periodic, cell, origin, numbers("walls", 0, size + 1));
+    [[nodiscard]] bool has(const char* name, std::size_t rows, std::size_t columns) const {
+        const ZipMember* const member = find(name);
+        return member && fits(open(*member), rows, columns);
     }
+
+    // Reads the domain in the arrays that clvotess writes. Without `periodic` no axis repeats.
+    void read_domain(Input& input) const {
+        const std::size_t size = input.dimensions;
+        const bool periodic_stated = find("periodic") != nullptr;
+        if (!find("box") || (!periodic_stated && !has("box", 2, size))) return note_unread(input);
+        const std::vector<double> box = numbers("box", 2, size), flags = numbers("periodic", size, 1),
+                                  cell = numbers("cell", size, size), origin = numbers("origin", size, 1);
+        std::array<bool, 3> periodic{};
+        for (std::size_t k = 0; k < size && periodic_stated; ++k) {
+            if (flags[k] != 0 && flags[k] != 1)
+                throw bad_input(name_ + ": periodic holds " + to_text(flags[k]) + ", and not 0 or 1 alone");
+            periodic[k] = flags[k] == 1;
+        }
+        for (std::size_t k = 0; k < size; ++k)
+            if (!(box[k] <= box[size + k]))
+                throw bad_input(name_ + ": box goes from " + to_text(box[k]) + " to " + to_text(box[size + k]) +
+                                " along " + std::string(1, static_cast<char>('x' + k)) +
+                                ": the first row must hold its lower corner");
+        if (!cell.empty() && origin.empty()) throw bad_input(name_ + ": there is a cell, and no array \"origin\"");
+        input.domain = stated_domain(box, periodic, cell, origin, numbers("walls", 0, size + 1));
+        if (!periodic_stated) input.domain.periodic_from = DomainSource::by_default;
+    }
+
+    // Notes the arrays that would state a domain beside a box.
+    void note_unread(Input& input) const {
+        const std::size_t size = input.dimensions;
+        std::string names;
+        if (find("box")) add_name(names, "box");
+        if (has("periodic", size, 1)) add_name(names, "periodic");
+        if (has("cell", size, size)) add_name(names, "cell");
+        if (has("walls", 0, size + 1)) add_name(names, "walls");
+        if (!names.empty())
+            note("not read as the domain, which needs a box of shape (2, " + std::to_string(size) + "): " + names,
+                 input);
+    }
+
+    static void note(const std::string& text, Input& input) { input.note += (input.note.empty() ? "" : "; ") + text; }
 
     // Returns the names of the arrays of x, y and perhaps z.
     [[nodiscard]] std::vector<std::string> axis_names() const {

@@ -362,21 +362,23 @@ bool RayTracer::find_next(Event& event) {
             last = i;
         }
         if (candidates_.empty()) return false;
-        is_sure = candidates_.size() == 1;
+        is_sure = candidates_.size() == 1 && best != no_time;
         event.to = candidates_.front();
         for (std::size_t c = 1; c < candidates_.size(); ++c) {
             const Image& to = candidates_[c];
             if (exact::later(ray_, between(from, to), exact_of(event)) < 0) event.to = to;
         }
     }
+    if (is_sure) {
+        event.time = times[last];
+        const double time_error = 4 * unit_roundoff * std::abs(event.time);
+        const double error = 1.1 * (errors.rise + errors.slope * std::abs(event.time)) / slopes[last] + time_error;
+        event.least = event.time - error;
+        event.most = event.time + error;
+        is_sure = error <= 512 * error_ + 8 * time_error;
+    }
     // A time among several candidates, or of a grazing crossing, is computed again.
-    event.time = times[last];
-    const double error = best == no_time ? no_time
-                                         : 1.1 * (errors.rise + errors.slope * std::abs(event.time)) / slopes[last] +
-                                               4 * unit_roundoff * std::abs(event.time);
-    event.least = event.time - error;
-    event.most = event.time + error;
-    if (!is_sure || !(error <= 512 * error_ + 32 * unit_roundoff * std::abs(event.time))) find_time(event);
+    if (!is_sure) find_time(event);
     return true;
 }
 

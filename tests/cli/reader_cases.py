@@ -127,6 +127,36 @@ class ArrayFiles(ReaderTest):
         np.save(self.folder / "a.npy", np.array([np.inf, -np.inf, np.nan], ">f2").repeat(3).reshape(3, 3))
         self.refuse("a.npy", says="point 0: x = inf")
 
+    def test_npz_domains(self):
+        """`box` states the domain; `periodic`, `cell` with `origin` and `walls` may stand beside it, not alone."""
+        points, box = random_points(20), np.array([(0, 0, 0), (2, 3, 4.0)])
+        cell = {"cell": np.diag([2, 3, 4.0]), "origin": np.zeros(3)}
+
+        def summary(**arrays):
+            np.savez(self.folder / "a.npz", points=points, **arrays)
+            return self.run_cli("a.npz").stdout
+
+        for arrays in ({}, cell, {"walls": np.array([(1, 0, 0, 2.0)])}):
+            with self.subTest(list(arrays)):
+                text = summary(box=box, **arrays)
+                self.assertIn("not periodic", text)
+                self.assertNotIn("not read", text)
+                self.assertEqual(self.json("a.npz")["box_volume"], 24)
+        for arrays, unread in [({"periodic": np.ones(3)}, "periodic"), (cell, "cell"), ({"walls": np.ones((2, 4))}, "walls"),
+                               ({"box": np.ones(3), **cell}, "box cell")]:
+            with self.subTest(list(arrays)):
+                self.assertIn(f"which needs a box of shape (2, 3): {unread}\n", summary(**arrays))
+        self.assertNotIn("not read", summary(periodic=np.ones(20), cell=np.ones(20)))  # numbers of the points
+        for arrays, says in [({"box": box, "periodic": np.array([0, 1, 2])}, "periodic holds 2, and not 0 or 1 alone"),
+                             ({"box": box, "periodic": np.array([0, 1, np.nan])}, "periodic holds nan"),
+                             ({"box": box[::-1]}, "box goes from 2 to 0 along x"),
+                             ({"box": box * [1, 1, np.nan]}, "box goes from nan to nan along z"),
+                             ({"box": np.ones(3), "periodic": np.ones(3)}, "box does not hold numbers with shape (2, 3)")]:
+            np.savez(self.folder / "a.npz", points=points, **arrays)
+            self.refuse("a.npz", says=["a.npz: " + says])
+        np.savez(self.folder / "a.npz", places=points)
+        self.assertIn("the points are its array places\n", self.run_cli("a.npz").stdout)
+
     def test_npz_refused(self):
         points = random_points(50)
         for arrays, says in [({"a": points, "b": points}, ["several", "--dataset", "a b"]),

@@ -342,6 +342,7 @@ class Mesh(CliTest):
                 *(("b.glb", glb([{"mesh": 0, **more}], [{"attributes": {"POSITION": 0}}], [np.zeros((3, 3), "f4")]), f"placed by {says}")
                   for says, more in MOVES.items()),
                 ("b.glb", glb([{"mesh": 0, "rotation": [0, 0, 1, 1]}], [], []), "not of length 1"),
+                ("b.glb", glb([{"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5, 0, 0, 0, 1]}], [], []), "another last row"),
                 ("b.glb", glb([], [], [], extensionsRequired=["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
                 ("b.off", OFF.replace("4 0 4 6 2  255 0 0\n", "").replace("8 6", "8 5"), ["edge between vertices 0 (0, 0, 0) and 2 (0, 1, 0)", "4 edges", "close the hole"]),
                 ("b.off", OFF.replace("4 0 4 6 2", "4 2 6 4 0"), "reverse one of them"),

@@ -63,6 +63,7 @@ class Usage(CliTest):
                                 (["a.txt", "--frame", "1"], "LAMMPS"), (["--random", "5", "--frame", "1"], "--random"),
                                 (["a.txt", "--format", "%i"], "text output"),
                                 (["a.txt", "-o", "c.npz", "--format", "%i"], "text output"),
+                                (["a.txt", "--box", "0", "0", "0", "1", "1", "1"], "commas, as in --box 0,0,0,1,1,1"),
                                 (["a.txt", "-o", "-", "--json"], "stdout"), (["a.txt", "-o", "-", "-o", "-"], "twice"),
                                 (["a.txt", "--quiet=maybe"], "quiet"), (["a.txt", "-o"], "output")]:
             with self.subTest(arguments):
@@ -76,6 +77,7 @@ class Usage(CliTest):
         for typed, meant in [("--periodc", "periodic"), ("--periodic-xy", None), ("--dnesity=m", "density"),
                              ("--wall-sphre", "wall-sphere"), ("-periodic", "periodic"), ("--outsid", "outside"),
                              ("--inter", "interpolate"), ("--image_size", "image-size"), ("--Box", "box"),
+                             ("--seed", "seeds or --rng-seed"), ("--resolution", "grid-resolution"),
                              ("--x", None), ("--qwertyuiop", None), ("--" + "periodic" * 9, None), ("--=", None)]:
             message = self.refuse("a.txt", typed, "-o", "out.txt", says=f"unknown option '{typed[:60]}")
             self.assertIn(f": did you mean --{meant}?\n" if meant else ": clvotess --help-all lists all options\n", message)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <string>
 #include <vector>
 #include <votess/diagram.hpp>
@@ -134,13 +135,20 @@ struct RaySet {
     }
 };
 
-// Requires that each middle of a ray counts from an image of the row.
-void require_middles(const Row& row, const votess::RayCells& cells, std::size_t ray) {
-    const double* middle = cells.middles.data() + 3 * cells.offsets[ray];
-    for (std::size_t e = 0; e < row.middles.size(); ++e, middle += 3)
+// Requires the seeds, the lengths, and middles that count from an image of the row.
+void require_row(const Row& row, const votess::RayCells& cells, std::size_t ray, double length_of_direction) {
+    const auto begin = static_cast<std::size_t>(cells.offsets[ray]),
+               end = static_cast<std::size_t>(cells.offsets[ray + 1]);
+    REQUIRE(std::ranges::equal(std::span(cells.seeds).subspan(begin, end - begin), row.seeds));
+    double along = 0;
+    for (std::size_t e = 0; e < row.seeds.size(); ++e) {
+        const double* middle = &cells.middles[3 * (begin + e)];
         REQUIRE(std::ranges::any_of(row.middles[e], [&](const std::array<double, 3>& exact) {
             return distance_of(middle, exact.data()) < 1e-13;
         }));
+        along += cells.lengths[begin + e];
+        REQUIRE(std::abs(along - row.times[e] * length_of_direction) < 1e-13);
+    }
 }
 
 // Requires that locate() agrees in the middle of each piece and at many points along each ray.
@@ -302,15 +310,8 @@ TEST_SUITE("query") {
                 CAPTURE(r);
                 const double* d = &rays.directions[3 * r];
                 const Row row = envelope(c, has_cell, &rays.origins[3 * r], d, rays.lengths[r] / length_of(d));
-                const auto begin = cells.seeds.begin() + cells.offsets[r],
-                           end = cells.seeds.begin() + cells.offsets[r + 1];
-                REQUIRE(std::vector<std::int32_t>(begin, end) == row.seeds);
-                require_middles(row, cells, r);
-                double along = 0;
-                for (std::size_t e = 0; e < row.seeds.size(); ++e, ++pieces) {
-                    along += cells.lengths[static_cast<std::size_t>(cells.offsets[r]) + e];
-                    REQUIRE(std::abs(along - row.times[e] * length_of(d)) < 1e-13);
-                }
+                require_row(row, cells, r, length_of(d));
+                pieces += row.seeds.size();
             }
         }
         CHECK(pieces > test::by_size(600, 100));
@@ -460,12 +461,48 @@ TEST_SUITE("query") {
                     CAPTURE(r);
                     const double* d = &rays.directions[3 * r];
                     const Row row = envelope(c, all, &rays.origins[3 * r], d, rays.lengths[r] / length_of(d));
-                    REQUIRE(std::vector<std::int32_t>(cells.seeds.begin() + cells.offsets[r],
-                                                      cells.seeds.begin() + cells.offsets[r + 1]) == row.seeds);
-                    require_middles(row, cells, r);
+                    require_row(row, cells, r, length_of(d));
                 }
             }
         }
+    }
+
+    // Rays graze the faces between seeds that are far nearer than others.
+    TEST_CASE("trace: tight clusters against exact envelopes") {
+        test::Random random(31);
+        std::size_t pieces = 0;
+        for (std::size_t set = 0; set < test::by_size(120, 24); ++set) {
+            CAPTURE(set);
+            const int spread = -static_cast<int>(4 + random.below(28));
+            QueryCase c;
+            c.options.box = test::unit_box();
+            std::array<std::array<double, 3>, 3> centers;
+            for (auto& center : centers)
+                for (double& x : center) x = static_cast<double>(random.integer(2, 14)) / 16;
+            for (std::size_t i = 0; i < 6 + random.below(14); ++i)
+                for (std::size_t k = 0; k < 3; ++k)
+                    c.points.push_back(centers[i % 3][k] +
+                                       std::ldexp(static_cast<double>(random.integer(-1024, 1024)), spread - 10));
+            const votess::Diagram diagram(c.points, c.options);
+            RaySet rays;
+            constexpr std::size_t count = 6;
+            for (std::size_t r = 0; r < count; ++r) {
+                for (int k = 0; k < 3; ++k) rays.origins.push_back(static_cast<double>(random.integer(0, 1024)) / 1024);
+                for (int k = 0; k < 3; ++k)
+                    rays.directions.push_back(static_cast<double>(random.integer(-1000, 1000)) / 1024);
+                rays.lengths.push_back(1);
+            }
+            const votess::RayCells cells = rays.trace(diagram);
+            const std::vector<bool> all(c.points.size() / 3, true);
+            for (std::size_t r = 0; r < count; ++r) {
+                CAPTURE(r);
+                const double length = length_of(&rays.directions[3 * r]);
+                const Row row = envelope(c, all, &rays.origins[3 * r], &rays.directions[3 * r], 1 / length);
+                require_row(row, cells, r, length);
+                pieces += row.seeds.size();
+            }
+        }
+        CHECK(pieces > test::by_size(1000, 200));
     }
 
     TEST_CASE("trace: rays without cells, and refusals") {
