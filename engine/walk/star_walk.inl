@@ -1197,24 +1197,22 @@ bool StarWalk<Isa>::read_known() {
     return true;
 }
 
-// Lists the edges that vertices of other cells leave open, and their planes. In one loop without branches in it, which
-// would be mispredicted.
+// Lists the edges that vertices of other cells leave open, and their planes. Planes without such an edge are left out
+// first, because a branch for each would be mispredicted.
 template <class Isa>
 void StarWalk<Isa>::list_open_edges() {
-    std::uint64_t left = 0;  // planes
+    std::uint64_t left = 0;
     for (int p = 0; p < planes_; p += lane_step)
         for (int k = p; k < p + lane_step; ++k) left |= static_cast<std::uint64_t>((out_[k] & ~in_[k]) != 0) << k;
-    std::uint64_t slots = left, others = ~std::uint64_t{0};  // others: of the edges of a plane, those not yet listed
+    std::uint64_t slots = left;
     int end = 0;
-    while (left != 0) {
+    for (; left != 0; left &= left - 1) {
         const int a = std::countr_zero(left);
-        const std::uint64_t open = out_[a] & ~in_[a] & others;
-        const int b = std::countr_zero(open);
-        open_edges_[end++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
-        slots |= std::uint64_t{1} << b;
-        const bool last = (open & (open - 1)) == 0;
-        others = last ? ~std::uint64_t{0} : open & (open - 1);
-        left = last ? left & (left - 1) : left;
+        for (std::uint64_t open = out_[a] & ~in_[a]; open != 0; open &= open - 1) {
+            const int b = std::countr_zero(open);
+            open_edges_[end++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+            slots |= std::uint64_t{1} << b;
+        }
     }
     open_end_ = end;
     open_slots_ = slots;
