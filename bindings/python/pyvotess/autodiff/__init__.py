@@ -88,7 +88,8 @@ def _volumes(t: Tessellation, places: Float64Array, motion: Motion) -> Float64Ar
     height = np.zeros(len(motion.i))  # of the pyramid over a face, times the area
     for part, block in blocks(t, places, motion, np.arange(len(motion.i))):
         height[part] = block.size * dot(block.normal, block.position.take(block.indptr[:-1], axis=1))
-    return np.bincount(motion.i, height, len(t)) / size
+    volumes = np.bincount(motion.i, height, len(t)) / size
+    return volumes
 
 
 def vjp(
