@@ -187,6 +187,22 @@ Vector start_of(const Job& job, std::span<const std::int32_t> order) {
     return start;
 }
 
+// Returns the points with the largest errors, in words.
+std::string worst_points(const Vector& errors, std::span<const std::int32_t> order, double tolerance) {
+    constexpr std::size_t named = 2;
+    std::vector<std::size_t> rows;
+    for (std::size_t row = 0; row < order.size(); ++row)
+        if (!(errors[static_cast<Eigen::Index>(row)] <= tolerance)) rows.push_back(row);
+    const auto first = rows.begin() + static_cast<std::ptrdiff_t>(std::min(named, rows.size()));
+    std::ranges::partial_sort(rows, first, std::ranges::greater(),
+                              [&](std::size_t row) { return errors[static_cast<Eigen::Index>(row)]; });
+    std::string text = rows.size() == 1 ? "at point" : "at points";
+    for (auto row = rows.begin(); row != first; ++row)
+        text += (row == rows.begin() ? " " : row + 1 == rows.end() ? " and " : ", ") + std::to_string(order[*row]);
+    const auto others = rows.end() - first;
+    return others == 0 ? text : text + " and " + std::to_string(others) + (others == 1 ? " other" : " others");
+}
+
 // Returns the runner of the last cells.
 Runner fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optional<Under> density,
            std::span<const double> targets, const FitOptions& options, int dimensions, ThreadPool& pool,
@@ -211,7 +227,8 @@ Runner fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::optiona
     if (converged) return newton.take_runner();
     const std::string message = "fit_volumes: after " + std::to_string(out.steps) + " steps the largest error of a " +
                                 (options.density ? "mass" : "volume") + " is " + number(out.residual) +
-                                " of its target, more than the tolerance " + number(options.tolerance) + ": " +
+                                " of its target, more than the tolerance " + number(options.tolerance) + ", " +
+                                worst_points(newton.errors(newton.now()), order, options.tolerance) + ": " +
                                 newton.why();
     throw FitError(message, std::move(out.weights), out.residual, out.steps);
 }

@@ -118,7 +118,11 @@ void Newton::measure(Weighted& of) const {
     };
     of.volumes = as_vector(of.even_volumes());
     if (problem_.density) of.volumes = (1 - lift_) * as_vector(of.masses.masses) + lift_ * of.volumes;
-    of.residual = ((of.volumes - problem_.targets).array() / problem_.targets.array()).abs().maxCoeff();
+    of.residual = errors(of).maxCoeff();
+}
+
+Vector Newton::errors(const Weighted& of) const {
+    return ((of.volumes - problem_.targets).array() / problem_.targets.array()).abs();
 }
 
 void Newton::sink() {

@@ -72,6 +72,8 @@ public:
     [[nodiscard]] bool run(Vector weights);
     [[nodiscard]] const Weighted& now() const { return now_; }  // the best so far
     [[nodiscard]] const std::string& why() const { return why_; }
+    // Returns |volume - target| / target of each point.
+    [[nodiscard]] Vector errors(const Weighted& of) const;
     // Returns the runner of now(), which can follow its cells.
     [[nodiscard]] Runner take_runner() { return std::move(runner_); }
 

@@ -68,7 +68,7 @@ public:
             rings = split();
         }
         find_error();
-        for (std::size_t round = outline_.size(); round > 0 && mend(rings); --round) rings = split();
+        for (std::size_t round = 8 * outline_.size(); round > 0 && mend(rings); --round) rings = split();
         return apart(std::move(rings));
     }
 
@@ -193,11 +193,25 @@ private:
             if (!bent[e] && !bent[f]) bend(e, f, bent);
         if (outline_.size() == bent.size()) return false;
         std::ranges::stable_sort(outline_, by_ends);
-        const std::vector<OutlineEdge> all = outline_;  // a ring along another one, or along itself, opens
-        std::erase_if(outline_, [&](const OutlineEdge& edge) {
-            return std::ranges::binary_search(all, OutlineEdge{edge.to, edge.from, 0, 0}, by_ends);
-        });
+        open_lines();
         return true;
+    }
+    // Removes pairs of opposite edges: a ring along another one, or along itself, opens there.
+    void open_lines() {
+        std::vector<bool> removed(outline_.size());
+        std::vector<OutlineEdge> kept;
+        for (std::size_t e = 0; e < outline_.size(); ++e) {
+            const OutlineEdge& edge = outline_[e];
+            const auto [begin, end] =
+                std::ranges::equal_range(outline_, OutlineEdge{edge.to, edge.from, 0, 0}, by_ends);
+            auto back = begin;
+            while (back != end && removed[at(back - outline_.begin())]) ++back;
+            if (!removed[e] && back != end)
+                removed[e] = removed[at(back - outline_.begin())] = true;
+            else if (!removed[e])
+                kept.push_back(edge);
+        }
+        outline_ = std::move(kept);
     }
     [[nodiscard]] bool is_beside(std::int32_t v, const OutlineEdge& edge) const {
         double before = 0, behind = 0;

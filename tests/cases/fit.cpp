@@ -183,8 +183,14 @@ TEST_SUITE("cases") {
         const std::vector<double> targets{0.3, 0.35, 0.3, 0.05};
         Options options;
         options.box = test::cube(0, 1);
-        CHECK_THROWS_WITH_AS((void)votess::fit_volumes(points, targets, options, {.max_steps = 100}),
-                             doctest::Contains("steps came no nearer"), FitError);
+        for (std::size_t first = 0; first < 4; ++first) {  // the place of the pair
+            std::vector<double> turned = points, turned_targets = targets;
+            std::ranges::rotate(turned, turned.end() - static_cast<std::ptrdiff_t>(3 * first));
+            std::ranges::rotate(turned_targets, turned_targets.end() - static_cast<std::ptrdiff_t>(first));
+            const std::string pair = std::to_string((first + 1) % 4) + ", " + std::to_string(first) + " and 2 others: ";
+            CHECK_THROWS_WITH_AS((void)votess::fit_volumes(turned, turned_targets, options, {.max_steps = 100}),
+                                 doctest::Contains(("at points " + pair + "the last ").c_str()), FitError);
+        }
         CHECK_THROWS_WITH_AS((void)votess::fit_volumes(points, targets, options, {.max_steps = 5}),
                              doctest::Contains("raise FitOptions::max_steps"), FitError);
     }

@@ -59,8 +59,15 @@ def unit_of(vectors: Float64Array) -> float:
     return float(2.0 ** (int(np.frexp(np.abs(vectors).max(initial=0.0))[1]) - 1))
 
 
-def motion_of(t: SeedCells, places: Float64Array, scaled: bool = False) -> Motion:
-    """Returns the motion of the faces of seeds, which are at ``places`` in the domain. ``scaled``: in a unit near vectors."""
+def unscaled(values: Float64Array, unit: float, power: int) -> Float64Array:
+    """Returns values times a power of the unit, -1 to 2, which by itself may be beyond float64."""
+    for _ in range(power):
+        values = values * unit
+    return values / unit if power < 0 else values
+
+
+def motion_of(t: SeedCells, places: Float64Array) -> Motion:
+    """Returns the motion of the faces of seeds, which are at ``places`` in the domain, in a unit near their vectors."""
     rows = t.neighbors
     i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     j = rows.indices
@@ -69,7 +76,7 @@ def motion_of(t: SeedCells, places: Float64Array, scaled: bool = False) -> Motio
     vector = points.take(np.where(is_seed, j, i), axis=1) - points.take(i, axis=1)
     if t.shifts is not None:
         vector += edges_of(t).T @ np.where(is_seed, t.shifts.T, 0.0)
-    unit = unit_of(vector) if scaled else 1.0
+    unit = unit_of(vector)
     vector /= unit
     return Motion(i, j, vector, _ratio(np.ones(len(i)), _length(vector)), unit)
 

@@ -110,7 +110,7 @@ def _species(frame: Frame, otherwise: str) -> Tuple[bool, npt.NDArray[Any]]:
     types = [re.fullmatch(r"[+-]?[0-9]+", word) is not None for word in words.tolist()]
     if frame.species is not None and any(types) and not all(types):
         raise ValueError(f"frame {frame.number}: some species are numbers and others are not: give types or elements")
-    return frame.species is not None and all(types), words
+    return frame.species is not None and len(frame) > 0 and all(types), words
 
 
 def _ids(frame: Frame) -> npt.NDArray[Any]:

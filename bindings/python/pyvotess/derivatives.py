@@ -7,19 +7,12 @@ from typing import TYPE_CHECKING, Any, List, Optional
 import numpy as np
 
 from ._arguments import as_word
-from ._motion import blocks, motion_of, unit_of
+from ._motion import blocks, motion_of, unit_of, unscaled
 from .export.optional import imported
 
 if TYPE_CHECKING:
     from ._state import SeedCells
     from ._types import Float64Array
-
-
-def _unscaled(values: Float64Array, unit: float, power: int) -> Float64Array:
-    """Returns values times a power of the unit, -1 to 2, which by itself may be beyond float64."""
-    for _ in range(power):
-        values = values * unit
-    return values / unit if power < 0 else values
 
 
 def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
@@ -45,11 +38,11 @@ def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
     scale = area / np.linalg.norm(vector, axis=1)
     row, seed = np.tile(i, 2), np.concatenate((i, j))
     if by == "weights":
-        value = 0.5 * _unscaled(np.concatenate((scale, -scale)), unit, size - 2)
+        value = 0.5 * unscaled(np.concatenate((scale, -scale)), unit, size - 2)
         return coo_matrix((value, (row, seed)), shape=(len(t), len(t))).tocsr()
     value = np.concatenate((scale[:, None] * at, scale[:, None] * (vector - at))).ravel()
     column = (size * seed[:, None] + np.arange(size)).ravel()
-    entry = (_unscaled(value, unit, size - 1), (np.repeat(row, size), column))
+    entry = (unscaled(value, unit, size - 1), (np.repeat(row, size), column))
     return coo_matrix(entry, shape=(len(t), size * len(t))).tocsr()
 
 
@@ -70,7 +63,7 @@ def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any
     by_areas = of == "volumes" and by == "weights" and "areas" in t.wanted
     if t.in_mesh and not by_areas:
         return _volumes_in_mesh(t, places, of, by)
-    motion = motion_of(t, places, scaled=True)
+    motion = motion_of(t, places)
     i, j = motion.i, motion.j
     chosen = np.arange(len(i)) if closed is None else np.flatnonzero(closed[i])
     if by_areas:
@@ -102,7 +95,7 @@ def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any
                 entries.append((row, j_of[face], (scale * (vector[:, face] - at)).T))
         row, seed, value = (np.concatenate(parts) for parts in zip(*entries))
         kept = seed >= 0
-        row, column, value = row[kept], seed[kept], _unscaled(value[kept], motion.unit, power)
+        row, column, value = row[kept], seed[kept], unscaled(value[kept], motion.unit, power)
         if by == "points":
             row, value = np.repeat(row, size), value.ravel()
             column = (size * column.astype(np.int64)[:, None] + np.arange(size)).ravel()

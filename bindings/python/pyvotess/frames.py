@@ -40,8 +40,8 @@ class Frame:
     points: Float64Array  #: (N, 3), or (N, 2) in two dimensions
     domain: Optional[Domain] = None  #: None if the file states none
     timestep: Optional[float] = None
-    ids: Optional[Int64Array] = None  #: (N,)
-    species: Optional[List[str]] = None  #: N elements or types
+    ids: Optional[Int64Array] = None  #: (N,), also of a frame without points
+    species: Optional[List[str]] = None  #: N elements or types, also of a frame without points
     #: other numbers, (N,) or (N, width), int64 where float64 would round an integer, else float64; words, (N,), of
     #: columns that read_frames() names
     columns: Dict[str, npt.NDArray[Any]] = field(default_factory=dict)
@@ -117,7 +117,7 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
     head = json.loads(line)
     count = head["points"]
     points = _read(stream, np.float64, head["dimensions"] * count).reshape(-1, head["dimensions"])
-    ids = _read(stream, np.int64, count) if head["ids"] else None
+    ids = _read(stream, np.int64, count) if head["ids"] or not count else None
     columns = {}
     for name, width, size, integers in head["columns"]:
         number = np.int64 if integers else np.float64
@@ -135,7 +135,7 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
         domain=Domain(**domain) if domain else None,
         timestep=float(head["timestep"]) if head["timestep"] else None,
         ids=ids,
-        species=species or None,
+        species=species if species or not count else None,
         columns=columns,
         units=head["units"],
     )

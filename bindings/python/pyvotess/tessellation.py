@@ -528,6 +528,8 @@ class Tessellation(SeedCells):
         points = np.ascontiguousarray(self._points, dtype=np.float64)
         try:
             handle = self._handle()
+        except ValueError as error:
+            return VerifyReport(False, f"this result was unpickled, and its points do not tessellate again: {error}", ())
         except VotessError as error:
             if error.code != ErrorCode.INVALID_USE:
                 raise

@@ -57,6 +57,21 @@ class Differences(unittest.TestCase):
         self.compare(points + (3, -2, 0), None, box=UNIT_BOX, periodic=True)
         self.compare(1.2 * points - 0.1, None, box=UNIT_BOX, outside="keep")
 
+    def test_units(self):
+        """The range of float64 ends at 2^-1074 and 2^1024: volumes, and products of three lengths, are 0 or infinite."""
+        for size, box in ((2, SQUARE), (3, UNIT_BOX)):
+            points, weights = uniform(SEEDS, seed=6)[:, :size], 0.002 * uniform(SEEDS, seed=7)[:, 0]
+            near = autodiff.forward(points, weights=weights, box=box)
+            given = cotangents(near)
+            for unit in 2.0 ** np.array([-480, -360, -345, -100, 100, 345, 360, 480]):
+                far = autodiff.forward(points * unit, weights=weights * unit**2, box=np.asarray(box) * unit)
+                np.testing.assert_array_equal(far.indices, near.indices)
+                for name, power in (("volumes", size), ("centroids", 1), ("areas", size - 1)):
+                    found, expected = autodiff.vjp(far, **{name: given[name]}), autodiff.vjp(near, **{name: given[name]})
+                    for by, less in (("points", 1), ("weights", 2)):
+                        scale = unit ** (power - less)
+                        np.testing.assert_allclose(getattr(found, by) / scale, getattr(expected, by), rtol=1e-9, atol=1e-9, err_msg=f"{name} by {by}, {unit}")
+
     def test_plane(self):
         points, weights = uniform(SEEDS, seed=6)[:, :2], 0.004 * uniform(SEEDS, seed=7)[:, 0]
         cell = np.array([(1, 0), (0.3, 1)])

@@ -1,6 +1,7 @@
 """Frames: read_frames(), and the files of clvotess --frames in other programs, where these are installed."""
 
 import gc
+import itertools
 import os
 import pathlib
 import re
@@ -86,6 +87,22 @@ class Files(Folder):
 
     def run_cli(self, *arguments):
         subprocess.run([program(), *map(str, arguments)], cwd=self.folder, check=True, capture_output=True)
+
+    def test_frames_without_points(self):
+        """Ids and species are empty, so that those of all frames can be joined."""
+        dump = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\nITEM: ATOMS id element x y z m\n{}"
+        xyz = '{1}\nLattice="1 0 0 0 1 0 0 0 1" Properties=species:S:1:pos:R:3:id:I:1:m:R:1\n{2}'
+        rows = {dump: ("", "5 C .1 .1 .1 7\n", "6 O .2 .2 .2 8\n9 C .5 .5 .5 9\n"), xyz: ("", "C .1 .1 .1 5 7\n", "O .2 .2 .2 6 8\nC .5 .5 .5 9 9\n")}
+        for form, name in ((dump, "a.dump"), (xyz, "a.xyz")):
+            for order in itertools.permutations(range(3)):
+                path = self.put(name, "".join(form.format(step, k, rows[form][k]) for step, k in enumerate(order)))
+                frames = list(vt.read_frames(path, columns=["m"]))
+                self.assertEqual([len(frame) for frame in frames], list(order))
+                ids = np.concatenate([frame.ids for frame in frames])
+                self.assertEqual((ids.dtype, sorted(ids.tolist())), (np.int64, [5, 6, 9]))
+                self.assertEqual(sorted(sum((frame.species for frame in frames), [])), ["C", "C", "O"])
+                self.assertEqual(sorted(np.concatenate([frame.columns["m"] for frame in frames])), [7, 8, 9])
+                self.assertTrue(all(frame.tessellate().verify() for frame in frames))
 
     def test_read_frames(self):
         path = self.put("a.xyz", "".join(xyz_of(k) for k in range(6)))

@@ -118,6 +118,15 @@ class Pickles(unittest.TestCase):
                 other.delaunay()
             self.assertEqual(caught.exception.code, vt.ErrorCode.INVALID_USE)
 
+    def test_a_pickle_that_no_run_gives_is_found(self):
+        t = vt.tessellate(uniform(50), box=UNIT_BOX, only=[3, 5, 7], want="neighbors,volumes")
+        for ids, says in (([3, 3, 7], "seed 3 at place 1 was named before"), ([3, 5, 50], "50"), ([-1, 5, 7], "-1"), ([5, 3, 7], "different")):
+            other = pickle.loads(pickle.dumps(t))
+            other._data.arrays["ids"] = np.array(ids, np.int32)
+            report = other.verify()
+            self.assertFalse(report)
+            self.assertRegex(report.failure, says)
+
     def test_a_copy_shares_and_a_deep_copy_does_not(self):
         t = vt.tessellate(uniform(50))
         self.assertIs(copy.copy(t).volumes, t.volumes)

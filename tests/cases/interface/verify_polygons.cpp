@@ -78,28 +78,43 @@ Shape shape_of(const Result& r) {
     return shape;
 }
 
-// Whether two results of the same shape have the same vertices, whatever the numbers of these.
+// Whether two results of the same shape have the same vertices, whatever the numbers of these, and whichever image of a
+// vertex is the original.
 bool same_vertices(const Result& a, const Result& b) {
+    struct Corner {
+        std::int32_t original;
+        std::array<int, 3> shift{};
+    };
     const auto corners = [](const Result& r) {  // of all polygons, from that of the least name on
         const votess::Rows rows{r.indptr, r.indices, r.shifts};
-        std::vector<std::int32_t> all;
+        std::vector<Corner> all;
         for (std::size_t i = 0; i < r.status.size(); ++i) {
             CornerNames names = corner_names(r, rows, i);
             for (std::size_t e = rows.begin(i); e < rows.end(i); ++e) {
                 std::vector<std::int32_t> some(polygon(r, e).begin(), polygon(r, e).end());
                 std::ranges::rotate(some, std::ranges::min_element(
                                               some, {}, [&](std::int32_t v) -> const auto& { return names[v]; }));
-                for (const std::int32_t v : some)
-                    all.push_back(r.vertex_image_of.empty() ? v : r.vertex_image_of[at(v)]);
+                for (const std::int32_t v : some) {
+                    Corner& corner = all.emplace_back(v);
+                    if (r.vertex_image_of.empty()) continue;
+                    corner.original = r.vertex_image_of[at(v)];
+                    for (std::size_t d = 0; d < 3; ++d) corner.shift[d] = r.vertex_shifts[3 * at(v) + d];
+                }
             }
         }
         return all;
     };
-    const std::vector<std::int32_t> x = corners(a), y = corners(b);
-    std::map<std::int32_t, std::int32_t> there, back;
+    using Originals = std::map<std::int32_t, Corner>;  // of one result: that of the other, and how far it is moved
+    const auto fits = [](Originals& originals, const Corner& from, const Corner& to) {
+        Corner there{to.original};
+        for (std::size_t d = 0; d < 3; ++d) there.shift[d] = to.shift[d] - from.shift[d];
+        const Corner& known = originals.emplace(from.original, there).first->second;
+        return known.original == there.original && known.shift == there.shift;
+    };
+    const std::vector<Corner> x = corners(a), y = corners(b);
+    Originals there, back;
     bool same = x.size() == y.size();
-    for (std::size_t k = 0; k < x.size() && same; ++k)
-        same = there.emplace(x[k], y[k]).first->second == y[k] && back.emplace(y[k], x[k]).first->second == x[k];
+    for (std::size_t k = 0; k < x.size() && same; ++k) same = fits(there, x[k], y[k]) && fits(back, y[k], x[k]);
     return same;
 }
 

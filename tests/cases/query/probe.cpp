@@ -73,6 +73,17 @@ std::string difference(const votess::Tessellation& s, std::size_t a, const votes
     return "";
 }
 
+// The cells of the seeds and of query q, which is the last one.
+votess::Tessellation with_query(const test::QueryCase& c, const Coordinates& queries, std::size_t q,
+                                votess::Options options, double weight = 0) {
+    Coordinates points = c.points;
+    points.insert(points.end(), &queries[3 * q], &queries[3 * q] + 3);
+    std::vector<double> weights = c.weights;
+    if (!weights.empty()) weights.push_back(weight);
+    options.weights = weights;
+    return votess::tessellate(points, options);
+}
+
 // Each query for itself: what the seeds and it come to.
 void check_probes(const test::QueryCase& c, const Coordinates& queries, const std::vector<double>& weights) {
     votess::Options options = c.options;
@@ -88,12 +99,7 @@ void check_probes(const test::QueryCase& c, const Coordinates& queries, const st
     const std::size_t n = c.points.size() / 3;
     for (std::size_t q = 0; q < probes.size(); ++q) {
         CAPTURE(q);
-        Coordinates with = c.points;
-        with.insert(with.end(), &queries[3 * q], &queries[3 * q] + 3);
-        std::vector<double> all_weights = c.weights;
-        if (!c.weights.empty()) all_weights.push_back(weights.empty() ? 0 : weights[q]);
-        options.weights = all_weights;
-        const auto t = votess::tessellate(with, options);
+        const auto t = with_query(c, queries, q, options, weights.empty() ? 0 : weights[q]);
         const std::int32_t same = t.duplicate_of().empty() ? -1 : t.duplicate_of()[n];
         CHECK(difference(probes, q, t, same < 0 ? n : static_cast<std::size_t>(same)) == "");
         CHECK((probes.duplicate_of().empty() ? -1 : probes.duplicate_of()[q]) == same);
@@ -245,12 +251,7 @@ TEST_SUITE("probe") {
             options.want = everything();
             for (std::size_t q = 0; q < probes.size(); ++q) {
                 CAPTURE(q);
-                Coordinates with = c.points;
-                with.insert(with.end(), &queries[3 * q], &queries[3 * q] + 3);
-                std::vector<double> all_weights = c.weights;
-                if (!c.weights.empty()) all_weights.push_back(0);
-                options.weights = all_weights;
-                const auto t = votess::tessellate(with, options);
+                const auto t = with_query(c, queries, q, options);
                 const std::size_t n = c.points.size() / 3;
                 REQUIRE(probes.status()[q] == t.status()[n]);
                 REQUIRE(equal(probes.neighbors(q), t.neighbors(n)));
@@ -330,12 +331,7 @@ TEST_SUITE("probe") {
                 for (const std::int32_t id : in_box.neighbors(q))
                     if (id >= 0) expected.push_back(id);
                 REQUIRE(seeds == expected);
-                Coordinates with = c.points;
-                with.insert(with.end(), &queries[3 * q], &queries[3 * q] + 3);
-                std::vector<double> all_weights = c.weights;
-                if (!c.weights.empty()) all_weights.push_back(0);
-                options.weights = all_weights;
-                const auto t = votess::tessellate(with, options);
+                const auto t = with_query(c, queries, q, options);
                 if (t.status().back() != votess::CellStatus::certified) continue;
                 REQUIRE(equal(probes.neighbors(q), t.neighbors(t.size() - 1)));
                 REQUIRE(std::isinf(probes.volumes()[q]));

@@ -12,7 +12,7 @@ import numpy as np
 from .._arguments import shown
 from .._domain import SHORT_FORMS, DomainLike, take_domain
 from .._input import as_float64_or_float32
-from .._motion import blocks, dot, motion_of
+from .._motion import Motion, blocks, dot, motion_of, unscaled
 from ..tessellation import Tessellation
 from ..tessellator import tessellate
 
@@ -79,6 +79,19 @@ def _cotangent(values: Any, name: str, array: npt.NDArray[Any]) -> Float64Array:
     return given.astype(np.float64, copy=False)
 
 
+def _volumes(t: Tessellation, places: Float64Array, motion: Motion) -> Float64Array:
+    """Returns the (N,) volumes in the unit of the motion. They come from the faces where float64 does not hold the result's."""
+    unit, size = motion.unit, places.shape[1]
+    if 2.0**-300 < unit < 2.0**300:
+        volumes: Float64Array = t.volumes / unit**size
+        return volumes
+    height = np.zeros(len(motion.i))  # of the pyramid over a face, times the area
+    for part, block in blocks(t, places, motion, np.arange(len(motion.i))):
+        height[part] = block.size * dot(block.normal, block.position.take(block.indptr[:-1], axis=1))
+    volumes = np.bincount(motion.i, height, len(t)) / size
+    return volumes
+
+
 def vjp(
     t: Tessellation,
     volumes: Optional[npt.ArrayLike] = None,
@@ -118,6 +131,7 @@ def vjp(
     places = t.wrapped_points
     motion = motion_of(t, places)
     i, j = motion.i, motion.j
+    unit, size = motion.unit, places.shape[1]  # the number is a function of lengths in this unit
     # The integral over each face of a function of the place, and of it times the place, give its product with the motion.
     field = np.zeros(len(i))
     moment = np.zeros_like(motion.vector)
@@ -126,11 +140,12 @@ def vjp(
         # The sum changes by the integral of constant + slope.y times the motion of each face of a cell.
         constant, slope = np.zeros(len(t)), np.zeros_like(places.T)
         if volumes is not None:
-            constant = _cotangent(volumes, "volumes", t.volumes)
+            constant = unscaled(_cotangent(volumes, "volumes", t.volumes), unit, size - 1)
         if centroids is not None:
-            has_cell = t.volumes > 0
-            slope = _cotangent(centroids, "centroids", t.centroids).T / np.where(has_cell, t.volumes, 1)
-            constant = constant - dot(slope, np.where(has_cell, (t.centroids - places).T, 0))
+            volume = _volumes(t, places, motion)
+            has_cell = volume > 0
+            slope = _cotangent(centroids, "centroids", t.centroids).T / np.where(has_cell, volume, 1)
+            constant = constant - dot(slope, np.where(has_cell, (t.centroids - places).T / unit, 0))
         # Two cells have the face, with opposite motions: their difference, once. A seed has its images from both sides.
         once = np.flatnonzero(j >= i)
         cell, neighbor = i[once], j[once]
@@ -148,7 +163,7 @@ def vjp(
             moment[:, once[part]] = block.sums(block.parts / (count * (count + 1)) * product)
 
     if areas is not None:
-        given = _cotangent(areas, "areas", t.faces.indptr[:-1])
+        given = unscaled(_cotangent(areas, "areas", t.faces.indptr[:-1]), unit, size - 2)
         for part, block in blocks(t, places, motion, np.arange(len(i))):
             count = part.stop - part.start
             for row, face, at, much in block.rims():
@@ -166,4 +181,4 @@ def vjp(
         return np.bincount(i, of_cell, len(t)) + np.bincount(j[is_seed], of_neighbor[is_seed], len(t))
 
     by_points = [gathered(*pushed) for pushed in zip(moment, field * motion.vector - moment)]
-    return Gradients(np.stack(by_points, axis=1), gathered(0.5 * field, -0.5 * field))
+    return Gradients(np.stack(by_points, axis=1), gathered(0.5 * field, -0.5 * field) / unit)
