@@ -166,7 +166,7 @@ struct StarKernels {
     // weight: of p, as in the window. Returns false when they are too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float weight, const SelectLimits&, CandidatePlanes&);
     // Finds the first plane that each of two rays hits, among the first `count` planes that it leaves (n.d > limit); -1
-    // if none. This is a guess: planes within 2^-11 of the smallest t count as equal, and the plane may be beyond
+    // if none. This is a guess: planes within 2^-12 of the smallest t count as equal, and the plane may be beyond
     // `count`.
     void (*first_hits)(const CandidatePlanes&, int count, const Ray* rays, int* hits);
     // Returns the first plane with h - n.v <= v[3] other than the three, from plane `begin` on, or -1 if none of the
