@@ -101,7 +101,7 @@ struct WindowSeeds {
 // with the residuals r of weights. A wall is the bisector with the mirror image. From `count` up to the next multiple
 // of 16 are planes that nothing touches.
 struct CandidatePlanes {
-    static constexpr int capacity = 256;
+    static constexpr int capacity = 400;
     static constexpr float never = 1e30f;           // h of a plane that nothing touches
     static constexpr int room = 2 * capacity + 32;  // select() first puts the far ones behind the others
     alignas(64) float nx[room];

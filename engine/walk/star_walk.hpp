@@ -34,16 +34,21 @@ private:
     // The squared reach is a multiple of the typical squared security radius. It grows where vertices often lie a
     // little beyond, because a search costs more time than candidates.
     static constexpr double min_reach_margin = 1.7, max_reach_margin = 2.8, margin_step = 0.002,
-                            max_weighted_margin = 6;  // cells may be long
+                            max_weighted_margin = 4;  // cells may be long
     static constexpr double missed_share = 2.5;       // of the squared reach: a little beyond
     static constexpr double far_share = 16;           // of the squared reach: far beyond
     static constexpr double allowed_misses = 0.35;    // searches for a cell
     // The share of the reach, the bend of the weights, and how much longer cells are. Less is not worth the tests.
-    static constexpr double min_turned = 0.15, min_steepest = 0.5, min_stretch = 1.6;
+    static constexpr double min_turned = 0.15, min_steepest = 0.5, min_stretch = 2.5;
     static constexpr double max_stretch = 128;
-    static constexpr int max_candidates = 160;  // at first; leaves room for others
+    static constexpr int max_candidates = 160;  // at first
+    // With weights a vertex beyond the candidates costs more time.
+    static constexpr int max_weighted_candidates = 300;
+    static constexpr double shrink = 0.5, weighted_shrink = 0.7;  // of the squared reach where they are too many
+    static constexpr int max_shrinks = 8, max_weighted_shrinks = 16;
     static constexpr int enough_candidates = 80;
-    static constexpr int crowded = 192;               // more candidates leave too little room for a search
+    // More candidates leave too little room for a search.
+    static constexpr int crowded = CandidatePlanes::capacity - 64;
     static constexpr double near_share = 0.6;         // of the squared reach
     static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer seeds may cancel
     static constexpr int max_picks = 256;             // planes tried for one vertex

@@ -120,7 +120,7 @@ template <class Isa>
 bool StarWalk<Isa>::find_bend(std::size_t home) {
     constexpr std::size_t homes_around = 6;
     constexpr double ridge = 1e-2;            // of the spread
-    constexpr double max_unexplained = 0.25;  // of the variance of slopes
+    constexpr double max_unexplained = 0.15;  // of the variance of slopes
     const std::size_t homes = seeds_.size() / Window::home_seeds;
     const std::size_t begin = home < homes_around ? 0 : home - homes_around;
     const std::size_t end = std::min(homes, home + homes_around + 1);
@@ -374,7 +374,7 @@ bool StarWalk<Isa>::gather_candidates() {
             limits.slack = static_cast<float>(bounds::select_slack(distance, window_.extent(), rounding));
             for (std::size_t k = 0; k < 3; ++k) limits.turn[k] = static_cast<float>(turn_.x[k] * scale);
         }
-        if (select(p, limits) && candidates_.count <= max_candidates) {
+        if (select(p, limits) && candidates_.count <= (weighted_ ? max_weighted_candidates : max_candidates)) {
             const double complete = window_.covered() * window_.covered() * scale * scale;
             covered_ = covered_by_search(std::min(square, complete));
             near_covered_ = covered_by_search(std::min(near_square, complete));
@@ -382,8 +382,10 @@ bool StarWalk<Isa>::gather_candidates() {
             if (weighted_ ? tries == 1 : tries > 0) typical_reach_ = reach2 / reach_margin_;
             break;
         }
-        if (tries == 8 || (weighted_ && tries == 0 && is_buried(p, limits))) return false;
-        reach2 *= 0.5;
+        if (tries == (weighted_ ? max_weighted_shrinks : max_shrinks) ||
+            (weighted_ && tries == 0 && is_buried(p, limits)))
+            return false;
+        reach2 *= weighted_ ? weighted_shrink : shrink;
     }
     selected_ = candidates_.count;
     if (weighted_) find_longest();

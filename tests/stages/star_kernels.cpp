@@ -497,7 +497,8 @@ TEST_SUITE("stages") {
             // A limit that so many are below; half of the time about as many as there is room for.
             std::vector<double> sorted = square;
             std::sort(sorted.begin(), sorted.end());
-            const auto wanted = random.chance(0.5) ? 240 + random.below(24) : random.below(400);
+            const auto wanted =
+                random.chance(0.5) ? CandidatePlanes::capacity - 16 + random.below(24) : random.below(400);
             const double limit_wanted =
                 sorted.empty() ? 100 : std::min(sorted[std::min(wanted, sorted.size() - 1)], 3.0 * size * size);
             const auto limit = static_cast<float>(limit_wanted);
@@ -560,17 +561,18 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("star kernels: select at its capacity") {
-        for (int near = 0; near <= 300; near += near < 230 ? 23 : 1) {
+        constexpr int capacity = CandidatePlanes::capacity, most = capacity + 44, places = 2 * most + 16;
+        for (int near = 0; near <= most; near += near < capacity - 26 ? 23 : 1) {
             // The near ones all in front, or spread.
             for (const int step : {1, 2}) {
-                std::vector<std::int32_t> x(640, far_away), zero(640, 0), ids(640);
+                std::vector<std::int32_t> x(places, far_away), zero(places, 0), ids(places);
                 std::iota(ids.begin(), ids.end(), 7);
                 for (int i = 0; i < near; ++i) x[i * step] = 1 + i;
                 test::for_each_set([&](const StarKernels& kernels) {
                     const auto c = std::make_unique<CandidatePlanes>();
                     const std::int32_t p[3] = {0, 0, 0};
-                    const bool fits = kernels.select({x.data(), zero.data(), zero.data(), ids.data(), nullptr, 624}, p,
-                                                     0, {1e6f, 1e6f, 0}, *c);
+                    const bool fits = kernels.select(
+                        {x.data(), zero.data(), zero.data(), ids.data(), nullptr, 2 * most}, p, 0, {1e6f, 1e6f, 0}, *c);
                     CAPTURE(near);
                     if (near <= CandidatePlanes::capacity - 8) REQUIRE(fits);
                     if (near > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
