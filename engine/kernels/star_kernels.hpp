@@ -104,6 +104,8 @@ struct CandidatePlanes {
     static constexpr int capacity = 400;
     static constexpr float never = 1e30f;           // h of a plane that nothing touches
     static constexpr int room = 2 * capacity + 32;  // select() first puts the far ones behind the others
+    static constexpr int index_bits = 0x1ff;        // cover `capacity` and the planes behind the last one
+    static_assert(capacity + 16 <= index_bits);
     alignas(64) float nx[room];
     alignas(64) float ny[room];
     alignas(64) float nz[room];

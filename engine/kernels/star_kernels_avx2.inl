@@ -139,8 +139,7 @@ VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, float none) {
     const __m128 four = _mm_min_ps(_mm256_castps256_ps128(best), _mm256_extractf128_ps(best, 1));
     const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
     const __m128 least = _mm_min_ss(two, _mm_movehdup_ps(two));
-    return _mm_cvtss_f32(least) < none ? _mm_cvtsi128_si32(_mm_castps_si128(least)) & (CandidatePlanes::capacity - 1)
-                                       : -1;
+    return _mm_cvtss_f32(least) < none ? _mm_cvtsi128_si32(_mm_castps_si128(least)) & CandidatePlanes::index_bits : -1;
 }
 
 template <int Blocks>
@@ -366,7 +365,7 @@ struct Avx2 {
     VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
         constexpr float none = 0x1p127f;
         const __m256 no_hit = _mm256_set1_ps(none);
-        const __m256i upper = _mm256_set1_epi32(-CandidatePlanes::capacity);
+        const __m256i upper = _mm256_set1_epi32(~CandidatePlanes::index_bits);
         for (int r = 0; r < 2; ++r) {
             const auto& [o, d, s, least] = rays[r];
             const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
