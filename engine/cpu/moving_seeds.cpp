@@ -105,6 +105,7 @@ void CpuClipper::write_kept(KeptCells& kept, ResultBuilder& out, const Share& sh
             if (by_cell && s + 8 < end) {
                 kept.prefetch(s + 8);
                 worker.writer.prefetch(s + 8);
+                kept.prefetch_places(s + 2, true);
             }
             if (!kept.is_kept(s) || kept.is_hidden(s) || !(by_cell || needs_row(s))) continue;
             if (!worker.writer.write(s, kept.cell(s), needs_row(s)))

@@ -215,7 +215,7 @@ bool KeptCells::match(const Job& job, bool same_rows) {
     const auto& [order, number] = *matched;
     std::vector<std::byte*> cells(order.size());
     std::vector<std::uint8_t> faces(order.size());
-    Buffer<SeedPlace> places;
+    Buffer<SeedPlace> places(Buffer<SeedPlace>::Pages::huge);
     places.resize_uninitialized(order.size());
     std::ranges::fill(places, SeedPlace{});
     Flags always = std::make_unique<std::atomic<std::uint8_t>[]>(order.size());
@@ -782,9 +782,7 @@ void KeptCells::test(ThreadPool& pool) {
         for (std::size_t s = range.begin; s < range.end; ++s) {
             if (s % cells_per_check == 0) check_stop();
             if (s + 8 < range.end) prefetch(s + 8);
-            if (!all_stay_ && s + 2 < range.end && cells_[s + 2] != nullptr)
-                for (const std::uint8_t f : this->cell(s + 2).planes())
-                    __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(this->cell(s + 2).ids()[f], 0))]);
+            if (!all_stay_ && s + 2 < range.end) prefetch_places(s + 2, false);
             const KeptCell cell = this->cell(s);
             if (!cell.exists()) continue;
             if (cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)

@@ -38,6 +38,7 @@
 // multiples of these.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -119,6 +120,18 @@ public:
         constexpr std::size_t usual_bytes = 192;
         for (std::size_t k = 0; k < usual_bytes && cells_[seed] != nullptr; k += 64)
             __builtin_prefetch(cells_[seed] + k);
+    }
+    // The places of neighbors that tests need, or of all. Call a few cells after prefetch().
+    void prefetch_places(std::size_t seed, bool of_all) const {
+        if (cells_[seed] == nullptr) return;
+        const auto ids = cell(seed).ids();
+        const auto fetch = [&](std::int32_t id) {
+            __builtin_prefetch(&places_[static_cast<std::size_t>(std::max(id, 0))]);
+        };
+        if (of_all)
+            std::ranges::for_each(ids, fetch);
+        else
+            for (const std::uint8_t f : cell(seed).planes()) fetch(ids[f]);
     }
 
 private:
@@ -210,8 +223,8 @@ private:
     std::vector<std::byte*> hiding_;   // with weights, of each without a cell: seeds that hide it, or null
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
-    Buffer<SeedPlace> places_;
-    Buffer<Powers> powers_;  // by sorted seed
+    Buffer<SeedPlace> places_{Buffer<SeedPlace>::Pages::huge};  // accessed at random
+    Buffer<Powers> powers_{Buffer<Powers>::Pages::huge};        // by sorted seed
     // Whether the last call was a repair, so that its cells had right signs in its frame.
     bool settled_ = false;
     SignFrame settled_frame_{};

@@ -42,7 +42,8 @@ public:
         out.weighted = !seeds_.weights.empty();
         out.exact = this;
         const SeedPlace& at = places_[seed_];
-        const bool exact = seeds_.images == nullptr || seeds_.images->is_exact(seed_);
+        const SeedImages* const images = seeds_.images;
+        const bool exact = images == nullptr || images->is_exact(seed_);
         const bool shifted = cell_.head().shifted;
         for (std::size_t f = 0; f < ids.size(); ++f) {
             out.rank[f] = static_cast<std::uint8_t>(f);
@@ -62,7 +63,7 @@ public:
             const auto i = static_cast<std::size_t>(id);
             const SeedPlace& other = places_[i];
             if (exact && !(shifted && cell_.near_shift(f) != KeptCell::NearShift{}) &&
-                (seeds_.images == nullptr || seeds_.images->is_exact(i))) {
+                (images == nullptr || images->is_exact(i))) {
                 for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * (other.x[k] - at.x[k]);
             } else {
                 const auto way = exact::differences(base_.point, this->plane(f)).x;
@@ -70,8 +71,13 @@ public:
             }
             plane.power = 0.25 * (at.weight - other.weight);
         }
-        out.corners = 0;
-        for (const auto& [a, b, c] : cell_.corners()) out.add_corner(a, b, c);
+        const auto corners = cell_.corners();
+        out.corners = static_cast<int>(corners.size());
+        for (std::size_t v = 0; v < corners.size(); ++v) {
+            out.a[v] = corners[v][0];
+            out.b[v] = corners[v][1];
+            out.c[v] = corners[v][2];
+        }
     }
 
 private:
