@@ -35,7 +35,7 @@ public:
             NpyArray array = open(*member);
             if (!array.is_column() || !array.is_whole())
                 throw bad_input(name_ + ": " + name +
-                                " are not a list of whole numbers: save them as integers, or leave them out");
+                                " are not whole numbers in a list: save them as integers, or leave them out");
             check_length(name, array, input.size(), "the array of points");
             input.ids = array.read_whole();
         }

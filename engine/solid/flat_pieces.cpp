@@ -276,6 +276,7 @@ private:
     // Returns the outlines, each with its holes.
     [[nodiscard]] std::vector<Polygon> apart(std::vector<Ring> rings) const {
         std::ranges::stable_sort(rings, std::ranges::greater(), [&](const Ring& ring) { return std::abs(area(ring)); });
+        if (!rings.empty() && (area(rings.front()) < 0) != (area_ < 0) && is_rounding(rings.front())) return {};
         if (!rings.empty())
             rings.erase(
                 std::remove_if(rings.begin() + 1, rings.end(), [&](const Ring& ring) { return is_rounding(ring); }),

@@ -166,8 +166,8 @@ class ArrayFiles(ReaderTest):
                              ({"x": points, "y": points[:, 0], "z": points[:, 0]}, "x is not an array"),
                              ({"points": points, "ids": np.arange(49)}, ["ids has 49 numbers, the array of points has 50"]),
                              ({"points": points, "id": np.arange(51)}, "id has 51 numbers"),
-                             ({"points": points, "ids": points[:, 0]}, "ids are not a list of whole numbers"),
-                             ({"points": points, "ids": np.zeros((50, 1), int)}, "ids are not a list of whole numbers")]:
+                             ({"points": points, "ids": points[:, 0]}, "ids are not whole numbers in a list"),
+                             ({"points": points, "ids": np.zeros((50, 1), int)}, "ids are not whole numbers in a list")]:
             np.savez(self.folder / "a.npz", **arrays)
             self.refuse("a.npz", "-o", "out.txt", says=["a.npz"] + ([says] if isinstance(says, str) else says))
         np.savez(self.folder / "a.npz", points=points, r=points[:9, 0], s=points)
