@@ -315,21 +315,22 @@ private:
         std::vector<std::string> names;
         Words words;
         bool numbers = false;
+        const auto is_number = [](std::string_view word) { return read_double(word).has_value(); };
         if (marks.empty()) {
             split_words(line.substr(0, line.find('#')), words);
             for (const std::string_view word : words) names.push_back(plain_name(word));
+            numbers = std::ranges::any_of(words, is_number);
         } else {
             each_field(
                 line, marks,
                 [&](std::string_view field, bool quoted) {
                     names.push_back(lower_case(quoted ? text_of(field) : std::string(field)));
-                    Words parts{field};
-                    if (!quoted) split_words(field, parts);
-                    words.insert(words.end(), parts.begin(), parts.end());
+                    words = {field};
+                    if (!quoted) split_words(field, words);
+                    numbers |= !words.empty() && std::ranges::all_of(words, is_number);
                 },
                 [](std::string_view&) { return false; });
         }
-        for (const std::string_view word : words) numbers |= read_double(word).has_value();
         return numbers ? std::vector<std::string>() : names;
     }
 

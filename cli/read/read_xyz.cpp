@@ -34,7 +34,10 @@ std::optional<std::string> value_of(std::string_view comment, std::string_view k
         const std::size_t bracket = at < comment.size() ? opening.find(comment[at]) : std::string_view::npos;
         std::size_t end = at;
         if (bracket != std::string_view::npos) {
-            end = std::min(comment.find(closing[bracket], ++at), comment.size());
+            const bool quoted = opening[bracket] == closing[bracket];
+            for (end = ++at; end < comment.size() && comment[end] != closing[bracket]; ++end)
+                if (quoted && comment[end] == '\\') ++end;  // ASE writes \" for a quote in a text
+            end = std::min(end, comment.size());
         } else {
             while (end < comment.size() && !blank(comment[end])) ++end;
         }

@@ -172,7 +172,7 @@ struct StarKernels {
     // `count`.
     void (*first_hits)(const CandidatePlanes&, int count, const Ray* rays, int* hits);
     // Returns the first plane with h - n.v <= v[3] other than the three, from plane `begin` on, or -1 if none of the
-    // first `count` is.
+    // first `count` is. It may be beyond `count`.
     int (*touching)(const CandidatePlanes&, int count, const float* v, const std::int32_t* three, int begin);
     // places[k] = how many of `count` different ids are smaller than ids[k]. There is room for 32 places or more.
     void (*rank)(const std::int32_t* ids, int count, std::uint32_t* places);

@@ -40,6 +40,9 @@ class FrameFiles(ReaderTest):
             name = file(f"energy=-3.5 {lattice}{pbc} note=\"a = b\"")
             self.assertEqual(self.rows(name, "--list-walls"), expected)
             self.assertEqual(self.json(name)["domain"]["from"], "stated")
+        # ASE writes texts with quotes so. They hold no keys.
+        name = file(f"""note="5\\" film, old pbc='F F F' " {lattice} pbc="T T F" run='no \\'pbc=F' """)
+        self.assertEqual(self.json(name)["domain"]["periodic"], [True, True, False])
         name = file(f'{lattice} Origin="1 2 3" pbc="T T T"')
         self.assertEqual(self.json(name)["domain"]["origin"], [1, 2, 3])
         name = file(f"{lattice} properties=id:I:1:species:S:1:radius:R:1:forces:R:3:pos:R:3",

@@ -422,6 +422,19 @@ class Columns(ReaderTest):
         self.assertEqual(set(got), {"density"})
         np.testing.assert_array_equal(got["density"], expected[column] / volumes)
 
+    def test_names_with_numbers_in_them(self):
+        """A field of a line of names may have several words, some of them numbers: pandas writes the first one."""
+        points = random_points(20)
+        for names in ("Unnamed: 0,x,y,z", "T 300 K;x;y;z", "x,y,z,phase 2"):
+            mark = ";" if ";" in names else ","
+            order = [names.split(mark).index(axis) for axis in "xyz"]
+            rows = np.zeros((20, 4))
+            rows[:, order] = points
+            self.put("a.csv", "\n".join([names, *(mark.join(map(repr, row)) for row in rows.tolist())]) + "\n")
+            self.assert_points("a.csv", points)
+        self.put("a.csv", "".join(f"{i} {x},{y},{z}\n" for i, (x, y, z) in enumerate(points.tolist())))
+        self.assert_points("a.csv", points)  # a row whose first field has two numbers is not one of names
+
     def test_coordinates_by_name(self):
         """--columns finds x, y and z under the names of ParaView, units and others, or by numbers."""
         points = random_points(20)
