@@ -2,8 +2,11 @@
 // around it and undone where one of them would not stay a polyhedron. An edge at a periodic boundary goes together with
 // its images.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <ranges>
+#include <span>
 
 #include "core/at.hpp"
 #include "core/progress.hpp"
@@ -25,20 +28,28 @@ public:
         : mesh_(mesh),
           polygons_(mesh.faces.size()),
           areas_(mesh.faces.size()),
+          thin_(mesh.faces.size()),
           twins_(mesh.faces.size(), none),
+          apart_(mesh.faces.size()),
           faces_of_(mesh.vertices.size() / 3),
           walls_(faces_of_.size()),
-          cells_(mesh) {
+          cells_(mesh),
+          volumes_(mesh.cells()) {
+        for (const double x : mesh.vertices) rounding_ = std::max(rounding_, rounding_of_corners * std::abs(x));
         for (std::size_t f = 0; f < polygons_.size(); ++f) {
             const auto polygon = mesh.polygon(f);
             polygons_[f].assign(polygon.begin(), polygon.end());
             for (const std::int32_t v : polygon) faces_of_[at(v)].push_back(f);
             areas_[f] = area(polygons_[f]);
+            thin_[f] = is_thin(polygons_[f]) ? 1 : 0;
         }
         for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
             const Patch& patch = mesh.patches[p];
             for (std::size_t f = patch.first; f < patch.first + patch.count; ++f) {
-                if (patch.wall == 0) twins_[f] = mesh.patches[patch.twin].first + f - patch.first;
+                if (patch.wall == 0) {
+                    twins_[f] = mesh.patches[patch.twin].first + f - patch.first;
+                    apart_[f] = mesh.separation(patch);
+                }
                 for (const std::int32_t v : polygons_[f])
                     if (patch.wall != 0) walls_[at(v)].push_back(mesh.planes[f]);
             }
@@ -47,6 +58,7 @@ public:
             std::ranges::sort(walls);
             walls.erase(std::ranges::unique(walls).begin(), walls.end());
         }
+        for (std::size_t i = 0; i < volumes_.size(); ++i) volumes_[i] = volume_range(i, origin_of(i))[0];
     }
 
     // Returns the number of edges below the length that remain.
@@ -58,7 +70,8 @@ public:
                 if (e % edges_per_stop == 0) check_stop();
                 const Edge& edge = edges[e];
                 // One earlier step may have taken it.
-                if (is_edge(edge)) any |= attempt(edge) || attempt({edge.dropped, edge.kept});
+                if (is_edge(edge))
+                    any |= attempt(edge) || attempt({edge.dropped, edge.kept}) || attempt_cluster(edge, length);
             }
             edges = short_edges(length);
         }
@@ -69,6 +82,7 @@ public:
 private:
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
     static constexpr std::size_t edges_per_stop = 256;
+    static constexpr double rounding_of_corners = 0x1p-42;
 
     [[nodiscard]] double length_of(const Edge& edge) const {
         const Vector3 d = minus(mesh_.vertex(edge.kept), mesh_.vertex(edge.dropped));
@@ -150,8 +164,123 @@ private:
             const auto& own = faces_of_[at(one.dropped)];
             faces.insert(faces.end(), own.begin(), own.end());
         }
+        return merge(images, {}, faces);
+    }
+
+    // A vertex of a cluster, or an image of one.
+    struct Member {
+        std::int32_t vertex;
+        Vector3 offset;     // from the vertex where the search begins
+        std::size_t group;  // vertices of a group become one
+    };
+    struct Move {
+        std::int32_t vertex;
+        Vector3 place;
+    };
+
+    // Makes one vertex of the ends of all edges that are connected with this one and no longer than it. Corners that
+    // rounding sets apart are such a cluster, and to join a few of them may leave no polyhedra. No vertex moves farther
+    // than `most`.
+    bool attempt_cluster(const Edge& edge, double most) {
+        const std::vector<Member> members = cluster_of(edge, most);
+        const auto walls_of = [&](const Member& m) -> const auto& {
+            return walls_[at(m.vertex)];
+        };
+        const auto more_walls = [&](const Member& a, const Member& b) {
+            return walls_of(a).size() < walls_of(b).size();
+        };
+        if (members.empty()) return false;
+        const Member& anchor = *std::ranges::max_element(members, more_walls);
+        const Vector3 place = minus(mesh_.vertex(anchor.vertex), anchor.offset);
+        std::vector<Edge> edges;
+        std::vector<Move> moves;
+        std::vector<std::size_t> faces;
+        for (std::size_t group = 0; group < members.size(); ++group) {
+            auto own = members | std::views::filter([&](const Member& m) { return m.group == group; });
+            if (own.empty()) continue;
+            const auto target_of = [&](const Member& m) {
+                return Vector3{place[0] + m.offset[0], place[1] + m.offset[1], place[2] + m.offset[2]};
+            };
+            const auto distance = [&](const Member& m) { return length3(minus(mesh_.vertex(m.vertex), target_of(m))); };
+            const Member& kept = *std::ranges::min_element(
+                own, {}, [&](const Member& m) { return std::pair(-std::ssize(walls_of(m)), distance(m)); });
+            if (!std::ranges::includes(walls_of(anchor), walls_of(kept))) return false;
+            const Vector3 target = target_of(kept);
+            if (distance(kept) > rounding_) moves.push_back({kept.vertex, target});
+            for (const Member& m : own) {
+                if (!(length3(minus(mesh_.vertex(m.vertex), target)) <= most)) return false;
+                if (!std::ranges::includes(walls_of(kept), walls_of(m))) return false;
+                const auto& around = faces_of_[at(m.vertex)];
+                faces.insert(faces.end(), around.begin(), around.end());
+                if (m.vertex != kept.vertex) edges.push_back({kept.vertex, m.vertex});
+            }
+        }
+        return merge(edges, moves, faces);
+    }
+
+    // Returns nothing if the cluster is one edge, reaches its own image, or would pinch the domain between walls.
+    [[nodiscard]] std::vector<Member> cluster_of(const Edge& edge, double most) const {
+        const double reach = length_of(edge);
+        std::vector<Member> members{{edge.kept, {}, 0}};
+        const Vector3 start = mesh_.vertex(edge.kept);
+        bool good = true;
+        const auto number = [&](std::int32_t v) {
+            return at(std::ranges::find(members, v, &Member::vertex) - members.begin());
+        };
+        const auto add = [&](std::int32_t v, const Vector3& offset) {
+            const std::size_t m = number(v);
+            if (m == members.size()) members.push_back({v, offset, m});
+            good = good && length3(minus(members[m].offset, offset)) <= most &&
+                   length3(minus(minus(mesh_.vertex(v), offset), start)) <= most;
+        };
+        const auto join = [&](std::int32_t a, std::int32_t b) {
+            const std::size_t one = members[number(a)].group, two = members[number(b)].group;
+            for (Member& m : members)
+                if (m.group == std::max(one, two)) m.group = std::min(one, two);
+            return one != two;
+        };
+        const auto each_face = [&](std::size_t m, const auto& use) {
+            for (const std::size_t f : faces_of_[at(members[m].vertex)]) use(f);
+        };
+        for (std::size_t m = 0; good && m < members.size(); ++m) {
+            const auto [v, offset, _] = members[m];
+            each_face(m, [&](std::size_t f) {
+                const Polygon& polygon = polygons_[f];
+                const std::size_t n = polygon.size(), c = at(std::ranges::find(polygon, v) - polygon.begin());
+                for (const std::int32_t w : {polygon[(c + 1) % n], polygon[(c + n - 1) % n]}) {
+                    if (length_of({v, w}) > reach) continue;
+                    add(w, offset);
+                    join(v, w);
+                    const bool walled = !walls_[at(v)].empty() && !walls_[at(w)].empty();
+                    good = good && !(walled && !is_edge_of_boundary({v, w}));
+                }
+                if (twins_[f] != none) add(image(f, v), minus(offset, apart_[f]));
+            });
+        }
+        if (!good || members.size() == 2) return {};
+        // A face at a periodic boundary has the same groups as its twin.
+        for (bool any = true; any;) {
+            any = false;
+            for (std::size_t m = 0; m < members.size(); ++m)
+                each_face(m, [&](std::size_t f) {
+                    if (twins_[f] == none) return;
+                    for (const std::int32_t w : polygons_[f])
+                        if (const std::size_t k = number(w); k < members.size() && members[k].group == members[m].group)
+                            any |= join(image(f, members[m].vertex), image(f, w));
+                });
+        }
+        return members;
+    }
+
+    // Renames the dropped vertices and moves others, if the faces around all of them and their cells remain.
+    bool merge(const std::vector<Edge>& images, std::vector<Move> moves, std::vector<std::size_t>& faces) {
         std::ranges::sort(faces);
         faces.erase(std::ranges::unique(faces).begin(), faces.end());
+        const auto exchange_places = [&] {
+            for (auto& [v, place] : moves)
+                std::ranges::swap_ranges(place, std::span(mesh_.vertices).subspan(3 * at(v), 3));
+        };
+        exchange_places();
         std::vector<Polygon> before;
         for (const std::size_t f : faces) before.push_back(polygons_[f]);
         bool good = true;
@@ -169,6 +298,7 @@ private:
         }
         if (!good) {
             for (std::size_t k = 0; k < faces.size(); ++k) polygons_[faces[k]] = before[k];
+            exchange_places();
             return false;
         }
         for (std::size_t k = 0; k < faces.size(); ++k)
@@ -232,6 +362,13 @@ private:
         }
         return sum;
     }
+    // Whether corners within rounding of a line leave the face no normal.
+    [[nodiscard]] bool is_thin(const Polygon& polygon) const {
+        const Vector3 twice = area(polygon);
+        double longest = 0;
+        for (const std::int32_t v : polygon) longest = std::max(longest, length_of({polygon[0], v}));
+        return length3(twice) <= rounding_ * longest;
+    }
     // Whether the normal is still near that of the cells' plane: the angle is at most 37 degrees, so that the face
     // still leads from one cell to the other. There is a fan of triangles no part of which folds onto another face.
     [[nodiscard]] bool keeps_direction(std::size_t face) const {
@@ -239,6 +376,7 @@ private:
         const Polygon& polygon = polygons_[face];
         if (polygon.empty()) return true;
         const Vector3 now = area(polygon), &first = areas_[face];
+        if (thin_[face] != 0) return is_thin(polygon);
         if (!(dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2])))
             return false;
         for (std::size_t apex = 0; apex < polygon.size(); ++apex)
@@ -268,11 +406,49 @@ private:
         std::ranges::sort(vertices);
         vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
         if (vertices.size() + faces != edges.size() / 2 + 2) return false;
-        return is_around_its_centroid(cell, mesh_.vertex(vertices.front()));
+        const Vector3 origin = origin_of(cell);
+        return keeps_volume(cell, origin) && is_around_its_centroid(cell, origin);
+    }
+    // Returns a corner of the cell.
+    [[nodiscard]] Vector3 origin_of(std::size_t cell) const {
+        for (const std::int32_t number : cells_.of(cell))
+            if (const Polygon& polygon = polygons_[at(std::abs(number)) - 1]; !polygon.empty())
+                return mesh_.vertex(polygon[0]);
+        return {};
     }
 
-    // Whether the cell has a positive volume, and its faces look away from its centroid. Then each face leads from one
-    // of its cells to the other.
+    // Returns the least and the greatest volume of the cell, times 6, whichever fans of triangles its faces become.
+    // The volume between fans around the means of the corners is within too: it is the mean over all fans.
+    [[nodiscard]] std::array<double, 2> volume_range(std::size_t cell, const Vector3& origin) const {
+        std::array<double, 2> sum{};
+        std::vector<Vector3> places;
+        for (const std::int32_t number : cells_.of(cell)) {
+            const Polygon& polygon = polygons_[at(std::abs(number)) - 1];
+            const std::size_t n = polygon.size();
+            if (n == 0) continue;
+            places.clear();
+            for (const std::int32_t v : polygon) places.push_back(minus(mesh_.vertex(v), origin));
+            std::array<double, 2> range{};
+            for (std::size_t apex = 0; apex < (n == 3 ? 1 : n); ++apex) {
+                double fan = 0;
+                for (std::size_t k = 1; k + 1 < n; ++k)
+                    fan += dot(places[apex], cross(places[(apex + k) % n], places[(apex + k + 1) % n]));
+                if (number < 0) fan = -fan;
+                range = apex == 0 ? std::array{fan, fan} : std::array{std::min(range[0], fan), std::max(range[1], fan)};
+            }
+            sum[0] += range[0];
+            sum[1] += range[1];
+        }
+        return sum;
+    }
+    // Whether the volume differs by at most half from that of the cell as it was.
+    [[nodiscard]] bool keeps_volume(std::size_t cell, const Vector3& origin) const {
+        const auto [least, greatest] = volume_range(cell, origin);
+        return least > 0 && least >= 0.5 * volumes_[cell] && greatest <= 1.5 * volumes_[cell];
+    }
+
+    // Whether the faces of a cell of positive volume look away from its centroid. Then each face leads from one of its
+    // cells to the other.
     [[nodiscard]] bool is_around_its_centroid(std::size_t cell, const Vector3& origin) const {
         double volume = 0;  // times 6
         Vector3 moment{};   // times 24
@@ -291,9 +467,9 @@ private:
                 for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + x[k] + y[k]);
             }
         });
-        if (!(volume > 0)) return false;
         bool away = true;
         each([&](const Polygon& polygon, double sign) {
+            if (is_thin(polygon)) return;
             Vector3 arm{};  // from the centroid to the mean of the corners
             for (const std::int32_t v : polygon) {
                 const Vector3 x = minus(mesh_.vertex(v), origin);
@@ -335,10 +511,14 @@ private:
     SharedMesh& mesh_;
     std::vector<Polygon> polygons_;
     std::vector<Vector3> areas_;                      // of the faces as they were
+    std::vector<std::uint8_t> thin_;                  // of these: 1 for one without a normal
+    double rounding_ = 0;                             // a length: errors of corners are below
     std::vector<std::size_t> twins_;                  // of faces at a periodic boundary, else none
+    std::vector<Vector3> apart_;                      // of these faces: from the twin
     std::vector<std::vector<std::size_t>> faces_of_;  // each vertex
     std::vector<std::vector<std::int32_t>> walls_;    // planes at the boundary of each vertex, ascending
     CellFaces cells_;
+    std::vector<double> volumes_;  // of the cells as they were, times 6
 };
 
 }  // namespace

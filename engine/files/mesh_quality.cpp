@@ -1,4 +1,4 @@
-// Measures of a mesh as OpenFOAM's checkMesh has them.
+// Measures of a mesh as OpenFOAM's checkMesh has them, and of volumes also between the triangles of other files.
 #include <algorithm>
 #include <limits>
 #include <numbers>
@@ -46,6 +46,27 @@ CellMeasures measure_cells(const SharedMesh& mesh, const std::vector<FaceMeasure
     return cells;
 }
 
+// Returns the volumes between the triangles that files of triangles have.
+std::vector<double> volumes_in_triangles(const SharedMesh& mesh, const CellMeasures& cells) {
+    const std::vector<std::size_t> apex = apexes(mesh);
+    std::vector<double> volumes(mesh.cells());
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        const auto polygon = mesh.polygon(f);
+        const std::size_t n = polygon.size(), first = apex[f];
+        const auto add = [&](std::int32_t cell, double sign) {
+            const auto i = static_cast<std::size_t>(cell);
+            const auto corner = [&](std::size_t k) {
+                return minus(mesh.vertex(polygon[(first + k) % n]), cells.centers[i]);
+            };
+            for (std::size_t k = 1; k + 1 < n; ++k)
+                volumes[i] += sign * dot(corner(0), cross(corner(k), corner(k + 1))) / 6;
+        };
+        add(mesh.faces[f].owner, 1);
+        if (mesh.faces[f].neighbor >= 0) add(mesh.faces[f].neighbor, -1);
+    }
+    return volumes;
+}
+
 }  // namespace
 
 FaceMeasure measure_face(const SharedMesh& mesh, std::size_t face) {
@@ -83,7 +104,9 @@ MeshQuality measure(const SharedMesh& mesh) {
                 least_edge, length3(minus(mesh.vertex(polygon[c]), mesh.vertex(polygon[(c + 1) % polygon.size()]))));
     }
     const CellMeasures cells = measure_cells(mesh, faces);
-    for (const double volume : cells.volumes) {
+    const std::vector<double> in_triangles = volumes_in_triangles(mesh, cells);
+    for (std::size_t i = 0; i < mesh.cells(); ++i) {
+        const double volume = std::min(cells.volumes[i], in_triangles[i]);
         least_volume = std::min(least_volume, volume);
         quality.wrong_cells += volume > 0 ? 0 : 1;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "input/option_name.hpp"
@@ -176,8 +177,7 @@ SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
             if (mesh.polygon(sides.backs[b].entry).size() != mesh.polygon(sides.fronts[b].entry).size())
                 refuse("cells " + std::to_string(sides.backs[b].from) + " and " + std::to_string(sides.backs[b].to) +
                        " have different polygons of the face between them");
-            const auto* const from = mesh.vertex(mesh.polygon(sides.fronts[b].entry)[0]);
-            turn_last_face(mesh, {from[0] - apart[0], from[1] - apart[1], from[2] - apart[2]});
+            turn_last_face(mesh, mesh.polygon(sides.fronts[b].entry), apart);
         }
     }
     vertices.assign(mesh.vertices.begin(), mesh.vertices.end());
@@ -196,14 +196,23 @@ void SharedMesh::add_face(const Mesh& mesh, std::size_t entry, std::int32_t owne
     offsets.push_back(static_cast<std::int64_t>(corners.size()));
 }
 
-// The polygon then begins with the corner nearest to this place.
-void SharedMesh::turn_last_face(const Mesh& mesh, const Vector3& place) {
+// The polygon then begins with the image of the front's first corner: all corners together are nearest to their images.
+// One corner alone might be as near to several, where rounding sets corners apart.
+void SharedMesh::turn_last_face(const Mesh& mesh, std::span<const std::int32_t> front, const Vector3& apart) {
     const auto begin = corners.begin() + static_cast<std::ptrdiff_t>(offsets[offsets.size() - 2]);
-    const auto nearest = std::ranges::min_element(begin, corners.end(), {}, [&](std::int32_t v) {
-        const double* const x = mesh.vertex(v);
-        return length3(x[0] - place[0], x[1] - place[1], x[2] - place[2]);
-    });
-    std::rotate(begin, nearest, corners.end());
+    const std::span back(begin, corners.end());
+    const std::size_t n = back.size();
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t first = 0; first < n; ++first) {
+        double sum = 0;
+        for (std::size_t c = 0; c < n; ++c) {
+            const double *const x = mesh.vertex(front[c]), *const y = mesh.vertex(back[(first + n - c) % n]);
+            sum += length3(y[0] - (x[0] - apart[0]), y[1] - (x[1] - apart[1]), y[2] - (x[2] - apart[2]));
+        }
+        if (sum < least) least = sum, best = first;
+    }
+    std::rotate(begin, begin + static_cast<std::ptrdiff_t>(best), corners.end());
 }
 
 SharedEdges::SharedEdges(const SharedMesh& mesh) : of_corners(mesh.corners.size()) {

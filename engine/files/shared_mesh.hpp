@@ -65,7 +65,7 @@ struct SharedMesh {
 
 private:
     void add_face(const Mesh& mesh, std::size_t entry, std::int32_t owner, std::int32_t neighbor);
-    void turn_last_face(const Mesh& mesh, const Vector3& place);
+    void turn_last_face(const Mesh& mesh, std::span<const std::int32_t> front, const Vector3& apart);
 };
 
 // The edges of all faces, each once.
@@ -100,8 +100,8 @@ private:
                                   const Vector3& direction);
 inline constexpr double flat_fan = 0.5;  // cosine of 60 degrees: then no part folds onto another face
 
-// Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra. Returns the number of the
-// edges that stay.
+// Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra and no volume changes by
+// more than half. Returns the number of the edges that stay.
 std::uint64_t collapse_edges(SharedMesh& mesh, double length);
 
 // Measures of the mesh, as votess_mesh_quality.

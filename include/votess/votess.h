@@ -539,7 +539,7 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   each patch of .foam, and in a periodic domain a pair of connections
 // The last five need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
 // edges may be collapsed by mesh.min_edge: the ends become one vertex, faces with two corners vanish, and cells stay
-// closed. An edge stays if a cell would not remain a polyhedron, or a vertex would leave its walls.
+// closed. An edge stays if a cell would not remain a polyhedron of half its volume to 3/2, or a vertex leave its walls.
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
                                            void* user);
 

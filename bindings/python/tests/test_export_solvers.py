@@ -234,7 +234,13 @@ class Foam(FoamFolder):
                     if before.min_edge < length:
                         self.assertLess(q.vertices, before.vertices)
                         self.assertLess(len(short), 0.3 * (before.vertices - q.vertices))
-                    self.assertTrue(set(map(tuple, points)) <= set(map(tuple, t.vertices)), "vertices of cells, as they were")
+                    moved = np.array(sorted(set(map(tuple, points)) - set(map(tuple, t.vertices)))).reshape(-1, 3)
+                    if not any(t.periodic):
+                        self.assertEqual(len(moved), 0, "vertices of cells, as they were")
+                    period = np.diag(t.box[1] - t.box[0]) if t.cell is None else np.array(t.cell)
+                    images = (t.vertices[:, None] + (np.indices((3, 3, 3)).reshape(3, -1).T - 1) @ period).reshape(-1, 3)
+                    for x in moved:
+                        self.assertLess(np.linalg.norm(images - x, axis=1).min(), 1e-13, "or images of them")
                     pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
                     self.assertEqual(pairs, sorted(set(pairs)))
                     volumes, edges = self.closed_cells(mesh, np.broadcast_to(points[faces[0][0]], (q.cells, 3)))
@@ -693,6 +699,55 @@ class Stl(Folder):
                 shared = [pair for pair in seen.values() if len(pair) == 2]
                 self.assertEqual(len({tuple(pair) for pair in shared}), inner, "two cells have the same triangles")
                 self.assertLessEqual(max(map(len, seen.values())), 2)
+
+
+    def volumes_of_solids(self, t, length):
+        """Returns the volumes in a file, after checks of mesh_quality() against it."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            t.save(self.path("a.stl"), min_edge=length)
+        volumes = []
+        for facets in re.findall(r"solid \d+\n(.*?)endsolid", (self.folder / "a.stl").read_text(), re.S):
+            corners = np.array(re.findall(r"vertex (\S+) (\S+) (\S+)", facets), float).reshape(-1, 3, 3)
+            a, b, c = np.moveaxis(corners - corners[0, 0], 1, 0)
+            volumes.append(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+        q = t.mesh_quality(min_edge=length)
+        self.assertEqual(q.wrong_cells, sum(v <= 0 for v in volumes))
+        self.assertLessEqual(q.min_volume, min(volumes) + 1e-14)
+        return np.array(volumes), q
+
+    def test_short_edges_leave_no_cell_inside_out(self):
+        """Cells thinner than the length: the quadrangles between them bend, and no fan turns a cell inside out."""
+        rng = np.random.default_rng(1)
+        line, plane = np.full((38, 3), 0.5), np.full((40, 3), 0.5)
+        line[:, 0] = np.random.default_rng(1).random(38)
+        plane[:, :2] = rng.random((40, 2))
+        skew = line + 1e-3 * rng.random((38, 3))
+        for points in (line, plane, skew):
+            for length in (0.01, 0.05, 0.2):
+                with self.subTest(points=points[0], length=length):
+                    t = vt.tessellate(points, box=UNIT_BOX, want=WANT)
+                    volumes, _ = self.volumes_of_solids(t, length)
+                    share = volumes / t.volumes
+                    self.assertTrue(((share >= 0.5 - 1e-9) & (share <= 1.5 + 1e-9)).all(), (share.min(), share.max()))
+                    np.testing.assert_allclose(volumes.sum(), 1, rtol=1e-12)
+
+    def test_rounded_lattices(self):
+        """Corners that rounding sets apart become one: the cells are those of the lattice."""
+        half = np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])
+        rng = np.random.default_rng(1)
+        for m in (3, 4, 5, 6, 7, 10):
+            grid = np.stack(np.meshgrid(*3 * [np.arange(m) / m], indexing="ij"), -1).reshape(-1, 3)
+            for name, cell, faces in (("fcc", half, 12), ("bcc", np.array([[0, 0, 0], [0.5, 0.5, 0.5]]), 14), ("cubic", half[:1], 6)):
+                points = np.concatenate([grid + offset / m for offset in cell])
+                if name == "cubic":
+                    points = points + rng.integers(-2, 3, points.shape) * 2.0**-52
+                with self.subTest(name=name, m=m):
+                    t = vt.tessellate(points, box=UNIT_BOX, periodic=True, want=WANT)
+                    volumes, q = self.volumes_of_solids(t, 1e-6)
+                    self.assertEqual((q.short_edges, q.wrong_faces, q.wrong_cells), (0, 0, 0))
+                    self.assertEqual(q.faces + q.internal_faces, faces * len(points))
+                    np.testing.assert_allclose(volumes, 1 / len(points), rtol=1e-9)
 
 
 class Msh(Folder):
