@@ -12,13 +12,6 @@ namespace {
 
 using detail::Result;
 
-// Returns the area that counts for both sides: the lower cell's, or the later face's if a cell meets itself twice.
-double area_of_pair(const Result& r, const Rows& rows, std::size_t i, std::size_t entry) {
-    const FaceLabel there = rows.label(entry);
-    const bool lower = FaceLabel{static_cast<std::int32_t>(i), {}} < there;
-    return r.face_areas[lower ? entry : rows.find(static_cast<std::size_t>(there.id), there.seen_from_behind(i))];
-}
-
 // Stores each dropped polygon once, from the side whose area counts.
 void keep_dropped_polygons(Result& r, const Rows& rows, const std::vector<bool>& stays) {
     if (r.face_offsets.empty()) return;
@@ -38,6 +31,12 @@ void keep_dropped_polygons(Result& r, const Rows& rows, const std::vector<bool>&
 }
 
 }  // namespace
+
+double area_of_pair(const Result& r, const Rows& rows, std::size_t i, std::size_t entry) {
+    const FaceLabel there = rows.label(entry);
+    const bool lower = FaceLabel{static_cast<std::int32_t>(i), {}} < there;
+    return r.face_areas[lower ? entry : rows.find(static_cast<std::size_t>(there.id), there.seen_from_behind(i))];
+}
 
 std::uint64_t drop_small_faces(Result& r, double share, double area) {
     const std::size_t entries = r.indices.size(), count = r.status.size();

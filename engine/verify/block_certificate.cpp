@@ -162,8 +162,13 @@ void BlockCertificate::add(const StreamRows& rows) {
             add_entry(first + k, rows.indices[e],
                       rows.shifts.empty() ? rows.shifts : rows.shifts.subspan(each * e, each));
         end_row();
-        rows_.duplicate_of.push_back(
-            rows.duplicate_of.empty() || rows.duplicate_of[k] < 0 ? -1 : index_.find(rows.duplicate_of[k]));
+        const std::int64_t of = rows.duplicate_of.empty() ? -1 : rows.duplicate_of[k];
+        rows_.duplicate_of.push_back(of < 0 ? -1 : index_.find(of));
+        if (of >= 0 && rows_.duplicate_of.back() < 0)
+            proof_.fault.note(seeds_.ids[first + k], [&] {
+                return "seed " + std::to_string(seeds_.ids[first + k]) + " is reported to be a duplicate of " +
+                       std::to_string(of) + ", which lies elsewhere";
+            });
     }
     for_row_arrays([&](const auto& array, std::size_t number) {
         constexpr std::size_t ids[] = {detail::number_of("indices"), detail::number_of("duplicate_of"),
@@ -210,7 +215,7 @@ auto BlockCertificate::with_certificate(const Task& task) {
 BlockProof BlockCertificate::prove() {
     proof_.certified = std::ranges::find(rows_.status, CellStatus::certified) != rows_.status.end();
     complete();
-    if (!proof_.unsettled.text.empty()) return std::move(proof_);
+    if (!proof_.fault.text.empty() || !proof_.unsettled.text.empty()) return std::move(proof_);
     Certificate::Verdict verdict = with_certificate([](Certificate& certificate) { return certificate.prove(); });
     proof_.fault = std::move(verdict.fault);
     proof_.unsettled = std::move(verdict.unsettled);

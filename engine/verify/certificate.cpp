@@ -23,18 +23,13 @@ constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
 constexpr std::size_t max_near_walls = 12;
 constexpr std::size_t max_tried_places = 64;
+constexpr double most_doubt = 4;           // of numbers that are compared, in tolerances: nearly all have much less
+constexpr double doubt_in_sum = 1.0 / 16;  // of a volume, where it only counts in a sum
 
 // Linear in the shift.
 std::uint64_t number_of(const exact::Shift& shift) {
     return static_cast<std::uint64_t>(shift[0]) * factor_a + static_cast<std::uint64_t>(shift[1]) * factor_b +
            static_cast<std::uint64_t>(shift[2]) * factor_c;
-}
-
-// Returns a bound on the error of a measured volume whose corners may err. They sweep volume at a rate that the surface
-// bounds, on their way to the true ones. It has at most 4 triangles for each plane. The area of each changes by less
-// than 4 * wide * error on this way, and by as much from the measured surface to the first one.
-double doubt_of_volume(double error, double surface, double wide, int planes) {
-    return error * (surface + 32 * wide * error * planes);
 }
 
 // Returns a number that names an edge of a polygon.
@@ -545,16 +540,19 @@ bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
 void Certificate::check_numbers(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     RowPolytope::Measures& m = w.measures;
-    polytope.sharpen(RowPolytope::sharp);
-    polytope.measure(m, !numbers_.centroids.empty());
+    bool compares = true;
+    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && endless_.sides != nullptr; ++e)
+        compares = compares && !endless_.sides->has(result_.indices[e]);
+    const bool volumes = compares && (!numbers_.volumes.empty() || !numbers_.centroids.empty()),
+               areas = compares && (!numbers_.face_areas.empty() || !numbers_.surface_areas.empty());
+    polytope.measure_within(m, volumes ? most_doubt * tolerance_ : doubt_in_sum,
+                            areas ? most_doubt * tolerance_ : infinity, !numbers_.centroids.empty());
     const MeasureUnit unit(unscale_ / polytope.unit(), run_.settled.region.thickness);
     if (!result_.stats.tiny_faces) add_areas(w);
+    const double wide = m.diameter + 2 * m.error, doubt = m.doubt_of_volume();
     w.volume += unit.volume(m.volume);
-    const double wide = m.diameter + 2 * m.error, doubt = doubt_of_volume(m.error, m.surface, wide, polytope.planes());
     w.doubt += unit.volume(doubt);
-    if (endless_.sides != nullptr)
-        for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
-            if (endless_.sides->has(result_.indices[e])) return;
+    if (!compares) return;
     const auto compare = [&](const char* what, double given, double found, double allowed) {
         if (given == found || std::abs(given - found) <= allowed + 64 * smallest_double) return;
         w.fault.note(static_cast<std::int64_t>(i), [&] {
@@ -568,7 +566,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
         if (polytope.name(static_cast<int>(f)).id < 0 && !numbers_.lists_walls) continue;
         if (!numbers_.face_areas.empty())
             compare("a face of area", numbers_.face_areas[own], unit.area(m.areas[f]),
-                    unit.area(tolerance_ * m.surface + 4 * m.error * wide));
+                    unit.area(tolerance_ * m.surface + m.doubt_of_area()));
         const Vector3 normal = numbers_.face_normals.empty() ? Vector3{} : polytope.unit_normal(static_cast<int>(f));
         for (std::size_t k = 0; k < 3 && !numbers_.face_normals.empty(); ++k)
             compare("a normal with a component", numbers_.face_normals[3 * own + k], normal[k], tolerance_);
@@ -576,7 +574,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     }
     if (!numbers_.surface_areas.empty())
         compare("surface", numbers_.surface_areas[i], unit.area(m.surface),
-                unit.area(tolerance_ * m.surface + 4 * m.error * wide * polytope.planes()));
+                unit.area(tolerance_ * m.surface + m.doubt_of_area()));
     if (!numbers_.security_radii.empty())
         compare("a security radius of", numbers_.security_radii[i], unit.length(2 * m.reach),
                 unit.length(tolerance_ * m.reach + 4 * m.error));
@@ -584,7 +582,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     for (std::size_t k = 0; k < 3 && !numbers_.centroids.empty() && m.volume > 2 * doubt; ++k) {
         const double x = (place[k] + m.centroid[k] / polytope.unit()) * unscale_;
         compare("a coordinate of the centroid,", numbers_.centroids[3 * i + k], x,
-                unit.length((2 * doubt / m.volume + tolerance_) * (wide + m.reach)) + 0x1p-45 * std::abs(x));
+                unit.length((4 * doubt / m.volume + tolerance_) * (wide + m.reach)) + 0x1p-45 * std::abs(x));
     }
     if (result_.face_counts.empty()) return;
     std::size_t faces = 0;
@@ -618,11 +616,15 @@ void Certificate::measure_handed(Worker& w, std::size_t i) {
         volume += area * p.d[f] * inverse / 3;
         surface += area;
     }
+    RowPolytope::Measures& m = w.measures;
+    m.errors = 3 * error * static_cast<double>(polytope.corners().size());
+    m.span = std::sqrt(farthest) + error;
+    m.rounding = RowPolytope::rounding_of_sums * polytope.planes();
+    if (!(m.doubt_of_volume() <= doubt_in_sum * volume)) return check_numbers(w, i);
     add_areas(w);
     const MeasureUnit unit(unscale_, run_.settled.region.thickness);
-    const double wide = 2 * (std::sqrt(farthest) + error);
     w.volume += unit.volume(volume);
-    w.doubt += unit.volume(doubt_of_volume(error, surface, wide, polytope.planes()));
+    w.doubt += unit.volume(m.doubt_of_volume());
 }
 
 // Counts the areas of faces with other cells.

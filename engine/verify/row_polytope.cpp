@@ -9,12 +9,14 @@
 #include <set>
 
 #include "core/arithmetic.hpp"
+#include "exact/wide_float.hpp"
 
 namespace votess {
 namespace {
 
 constexpr int max_sure_planes = 512, max_exact_planes = 1000000, max_tried_planes = 40;
 constexpr std::size_t block_size = 64, crowd = 16;
+constexpr double sharpest = 0x1p-46;
 }  // namespace
 
 double RowPolytope::doubt_of(const RoundedPlane& plane, double length) {
@@ -784,7 +786,7 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
         });
         for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = origin[k] + moment[k] / (4 * sum);
     }
-    out.volume = out.surface = out.error = 0;
+    out.volume = out.surface = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
         const double inverse = p_.inverse[at(f)];
@@ -792,18 +794,84 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
         out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * inverse / 3;  // corners have more digits than d
         out.surface += areas[f];
     }
+    out.rounding = rounding_of_sums * planes();
+    measure_corners(out);
+    out.span = (origin == Vector3{} ? out.reach : out.diameter) + out.error;
+}
+
+void RowPolytope::measure_corners(Measures& out) const {
     double wide = 0, far = 0;  // squares
-    for (const Corner& corner : corners_) {
+    out.error = out.errors = 0;
+    for (std::size_t v = 0; v < corners_.size(); ++v) {
+        const Corner& corner = corners_[v];
         const Vector3 from = minus(corner.at, corners_[0].at);
         wide = std::max(wide, dot(from, from));
         far = std::max(far, dot(corner.at, corner.at));
         out.error = std::max(out.error, corner.error);
+        out.errors += corner.error * static_cast<double>(through(static_cast<int>(v)).size());
     }
     out.diameter = 2 * std::sqrt(wide);
     out.reach = std::sqrt(far);
     if (far > filter_underflow && far < 1 / filter_underflow) return;
     out.reach = 0;
     for (const Corner& corner : corners_) out.reach = std::max(out.reach, length3(corner.at));
+}
+
+void RowPolytope::measure_within(Measures& out, double of_volume, double of_surface, bool centroid) {
+    const auto is_rough = [&] {
+        return !(out.doubt_of_volume() <= of_volume * out.volume) || !(out.doubt_of_area() <= of_surface * out.surface);
+    };
+    sharpen(sharp);
+    measure(out, centroid);
+    if (is_rough()) sharpen(sharpest), measure(out, centroid);
+    if (is_rough()) measure_in<exact::Quad>(out, 0x1p-110);
+    if (is_rough()) measure_in<exact::WideFloat>(out, 0);
+}
+
+// Solves all corners again. roundoff: a bound on all errors, relative to the lengths.
+template <class Real>
+void RowPolytope::measure_in(Measures& out, double roundoff) {
+    using Place = std::array<Real, 3>;
+    std::vector<Place> places, doubled(names_.size());
+    for (Corner& corner : corners_) {
+        const auto& [a, b, c] = corner.planes;
+        Place place = exact::vertex_position<Real>(planes_.seed(seed_), source(a), source(b), source(c));
+        for (std::size_t k = 0; k < 3; ++k) {
+            place[k] = place[k] * Real(unit_);
+            corner.at[k] = static_cast<double>(place[k]);
+        }
+        corner.error = 0x1p-51 * length3(corner.at);
+        places.push_back(place);
+    }
+    const auto between = [](const Place& from, const Place& to) {
+        return Place{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    };
+    Real sum = 0;  // as above
+    Place moment{};
+    for_sides([&](int first, int second, int f) {
+        const Place& anchor = places[at(out.anchors[at(f)])];
+        const Place from = between(anchor, places[at(first)]), to = between(anchor, places[at(second)]),
+                    third = between(places[0], anchor), turn = cross(from, to);
+        const Real volume = dot(turn, third);
+        sum += volume;
+        for (std::size_t k = 0; k < 3; ++k) {
+            doubled[at(f)][k] += turn[k];
+            moment[k] += volume * (from[k] + to[k] + third[k] + third[k] + third[k]);
+        }
+    });
+    out.volume = static_cast<double>(sum / 6);
+    for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = static_cast<double>(places[0][k] + moment[k] / (sum * 4));
+    out.surface = 0;
+    for (std::size_t f = 0; f < doubled.size(); ++f) {
+        out.areas[f] = 0.5 * length3(static_cast<double>(doubled[f][0]), static_cast<double>(doubled[f][1]),
+                                     static_cast<double>(doubled[f][2]));
+        out.surface += out.areas[f];
+    }
+    measure_corners(out);
+    out.error = roundoff * out.reach;
+    out.errors *= roundoff * 0x1p51;
+    out.rounding = roundoff * planes();
+    out.span = out.diameter;
 }
 
 }  // namespace votess

@@ -16,6 +16,15 @@
 // s = sum |d| / |n| over a, b, c, with sizes of d for |d|. All terms of X are at most 1.16 m s (Carlen, Lieb, Loss
 // 2006), and those of n.X - d W at most 1.16 m (s |n| + |d|). Errors of the four planes add 8 u each, and rounding adds
 // less than 20 u. So n.x - d has the sign of its exact value if it exceeds 2^-45 K (s |n| + |d|), which is 256 u.
+//
+// Errors of measures. Twice the area vector of a face is the sum of x_k cross x_k+1 around it, a volume the sum of
+// areas times heights / 3, all from an origin in the polytope. Let R bound the distances of corners from it, and e_v
+// the error of corner v. That moves the area vectors of its faces by at most e_v |x_k+1 - x_k-1| / 2 <= e_v R each, to
+// first order, and heights by at most the largest e, over a surface below 4 pi R^2. So with E, the sum of e_v over the
+// faces of all corners, areas err by R E and the volume by R^2 (E / 3 + 4.2 E / 3) at most; R E and R^2 E are doubled
+// for other orders. Rounding: the edges of a face are a convex polygon in a ball, shorter than 2 pi R. So no sum of
+// terms exceeds 6.3 R^2, and each of at most 6 planes (Euler) sides of edges adds less than 16 u R^2, and areas and
+// heights 32 u of themselves. Together that is below 128 u R^2 and 128 u R^3 for each plane, u = 2^-53.
 #pragma once
 
 #include <array>
@@ -53,10 +62,16 @@ public:
     struct Measures {
         double volume = 0, surface = 0, diameter = 0, reach = 0;  // reach: of the farthest corner from the seed
         Vector3 centroid{};
-        double error = 0;             // bound on the rounding of corners
+        double error = 0, errors = 0;  // bounds on the rounding of corners: the largest, the sum over corners of faces
+        double span = 0,
+               rounding = 0;          // bound on lengths in the sums; relative rounding of these, times that of planes
         std::vector<double> areas;    // of the faces, by plane
         std::vector<int> anchors;     // a corner of each face
         std::vector<double> vectors;  // see PlaneLoops::add_areas
+
+        // Return bounds on the errors of an area, of the surface and of the volume.
+        [[nodiscard]] double doubt_of_area() const { return span * (2 * errors + rounding * span); }
+        [[nodiscard]] double doubt_of_volume() const { return span * doubt_of_area(); }
     };
 
     explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}
@@ -174,6 +189,9 @@ public:
     void sharpen(double relative_error);
     void sharpen_corner(int corner, double relative_error) { sharpen(corners_[at(corner)], relative_error); }
     void measure(Measures& out, bool centroid = true) const;
+    // The same, to these parts of the volume and of the surface, with as many digits as that takes.
+    void measure_within(Measures& out, double of_volume, double of_surface, bool centroid);
+    static constexpr double rounding_of_sums = 0x1p-46;  // for each plane
 
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
@@ -188,6 +206,9 @@ private:
     [[nodiscard]] bool guess_start(std::array<int, 3>& planes);
     [[nodiscard]] bool guess_from(int a, std::array<int, 3>& planes);
     void sharpen(Corner& corner, double relative_error);
+    void measure_corners(Measures& out) const;
+    template <class Real>
+    void measure_in(Measures& out, double roundoff);
     [[nodiscard]] int place(int a, int b, int c, Corner& corner, std::vector<int>& through);
     [[nodiscard]] bool start_at(const std::array<int, 3>& guess);
     [[nodiscard]] bool find_start();

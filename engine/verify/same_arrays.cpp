@@ -7,10 +7,15 @@
 #include <limits>
 #include <span>
 #include <utility>
+#include <vector>
 
+#include "core/arithmetic.hpp"
+#include "core/at.hpp"
 #include "core/text.hpp"
 #include "input/settle.hpp"
 #include "result/arrays.hpp"
+#include "result/drop_faces.hpp"
+#include "result/rows.hpp"
 
 namespace votess {
 namespace {
@@ -40,10 +45,21 @@ double spacing_of(const Points& points, std::size_t dimensions) {
     return longest / std::cbrt(static_cast<double>(std::max<std::size_t>(points.coordinates() / dimensions, 1)));
 }
 
-// Numbers are rounded relative to their own size, or to this one where they are small differences of larger ones: that
-// of a thin cell, or of a cell next to the origin.
+// How far numbers may differ.
+struct Tolerance {
+    double part;       // of their own size
+    double of_vector;  // of that of their vector, or of its least scale
+
+    // A CPU repeats its numbers, but for the last digits: some runs find corners, or sum, in another order. A GPU
+    // rounds relative to the size of all cells.
+    static Tolerance of(const Result& r, double part) { return {part, r.stats.device == "cpu" ? 0x1p-40 : part}; }
+    [[nodiscard]] bool is_of_cell() const { return of_vector < part; }
+};
+
+// Numbers are rounded relative to their own size, or to this one where they are small differences of larger ones: those
+// of places next to the origin, on a GPU those of thin cells too.
 template <class Array>
-double least_scale(const Array& array, double spacing, bool planar) {
+double least_scale(const Array& array, double spacing, bool planar, const Tolerance& tolerance) {
     constexpr double thin = 1e-3;
     int dimensions = 0;
     for (const auto group : {&Want::centroids, &Want::vertices, &Want::radii})
@@ -51,6 +67,7 @@ double least_scale(const Array& array, double spacing, bool planar) {
     for (const auto group : {&Want::areas, &Want::surfaces})
         if (array.word == group) dimensions = planar ? 1 : 2;
     if (array.word == &Want::volumes) dimensions = planar ? 2 : 3;
+    if (array.word != &Want::centroids && array.word != &Want::vertices && tolerance.is_of_cell()) return 0;
     const double scale = (dimensions > 1 ? thin : 1) * std::pow(spacing, dimensions);
     return std::isfinite(scale) ? scale : 0;
 }
@@ -63,14 +80,17 @@ bool same(T a, T b, double allowed) {
         return a == b;
 }
 
-// Compares one number or vector with another, to a tolerance relative to the expected one, at least to `least`.
+// Compares one number or vector with another. least: of the size of the expected one.
 template <class Values>
 bool same_at(const Values& given, std::size_t i, const Values& expected, std::size_t k, std::size_t components,
-             double least, double tolerance) {
+             double least, const Tolerance& tolerance) {
     double scale = least;
     for (std::size_t c = 0; c < components; ++c) scale = std::max(scale, size_of(expected[components * k + c]));
-    for (std::size_t c = 0; c < components; ++c)
-        if (!same(given[components * i + c], expected[components * k + c], tolerance * scale)) return false;
+    for (std::size_t c = 0; c < components; ++c) {
+        const auto value = expected[components * k + c];
+        const double allowed = std::max(tolerance.part * size_of(value), tolerance.of_vector * scale);
+        if (!same(given[components * i + c], value, allowed)) return false;
+    }
     return true;
 }
 
@@ -114,7 +134,8 @@ std::string malformed(const Result& r) {
     return {};
 }
 
-std::string difference_from_second_run(const Result& result, Settled again, double tolerance) {
+std::string difference_from_second_run(const Result& result, Settled again, double part) {
+    const Tolerance tolerance = Tolerance::of(result, part);
     again.want = {.neighbors = false, .volumes = false};
     detail::for_arrays([&](const auto& array) {
         if (array.word != nullptr && !array.of(result).empty()) again.want.*array.word = true;
@@ -134,7 +155,7 @@ std::string difference_from_second_run(const Result& result, Settled again, doub
             text = name + " has another size than in a second run";
             return;
         }
-        const double least = least_scale(array, spacing, result.planar);
+        const double least = least_scale(array, spacing, result.planar, tolerance);
         const std::size_t components = components_of(array, result.planar);
         for (std::size_t k = 0; k < given.size() / components && text.empty(); ++k) {
             if (same_at(given, k, expected, k, components, least, tolerance)) continue;
@@ -153,7 +174,19 @@ namespace {
 class PartOfWhole {
 public:
     PartOfWhole(const Result& part, const Result& whole, double tolerance)
-        : part_(part), whole_(whole), tolerance_(tolerance), components_(part.planar ? 2 : 3) {}
+        : part_(part),
+          whole_(whole),
+          rows_{whole.indptr, whole.indices, whole.shifts},
+          tolerance_(Tolerance::of(part, tolerance)),
+          components_(part.planar ? 2 : 3),
+          surfaces_(whole.status.size()) {
+        for (std::size_t i = 0; i < surfaces_.size() && !whole.face_areas.empty(); ++i)
+            for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e) surfaces_[i] += size_of(whole.face_areas[e]);
+        if (!part.planar || whole.shifts.empty()) return;
+        shifts_.assign(3 * whole.indices.size(), 0);
+        for (std::size_t k = 0; k < whole.shifts.size(); ++k) shifts_[k / 2 * 3 + k % 2] = whole.shifts[k];
+        rows_.shifts = shifts_;
+    }
 
     // Returns which array of a row differs from that of seed i, "" for none.
     [[nodiscard]] std::string_view difference(std::size_t row, std::size_t i) {
@@ -172,7 +205,7 @@ public:
             const bool equal =
                 counts_faces ? static_cast<std::size_t>(given[row]) + dropped == static_cast<std::size_t>(expected[i])
                              : same_at(given, row, expected, i, components_of(array, part_.planar),
-                                       least_scale(array, size_, part_.planar), tolerance_);
+                                       least_scale(array, size_, part_.planar, tolerance_), tolerance_);
             if (!equal) differs = array.name;
         });
         return differs;
@@ -190,32 +223,35 @@ private:
         const auto begin = [](const Result& r, std::size_t k) { return static_cast<std::size_t>(r.indptr[k]); };
         std::size_t entry = begin(part_, row);
         const std::size_t end = begin(part_, row + 1), all_end = begin(whole_, i + 1);
-        double surface = 0;
-        for (std::size_t e = begin(whole_, i); e < all_end && part_.least_face > 0; ++e)
-            surface += size_of(whole_.face_areas[e]);
-        const double near = 1e-9 * (part_.least_face + surface);
         for (std::size_t e = begin(whole_, i); e < all_end; ++e) {
             const bool is_face = part_.least_face > 0 && whole_.indices[e] >= 0;
-            std::string_view differs = entry < end ? of_entry(entry, e) : "neighbors";
-            if (differs == "neighbors" && is_face && whole_.face_areas[e] < part_.least_face + near) {
+            std::string_view differs = entry < end ? of_entry(entry, e, i) : "neighbors";
+            const double area = is_face ? area_of_pair(whole_, rows_, i, e) : infinity,
+                         near =
+                             is_face ? 1e-9 * (part_.least_face + surfaces_[i] + surfaces_[at(whole_.indices[e])]) : 0;
+            if (differs == "neighbors" && area < part_.least_face + near) {
                 ++dropped;
                 continue;
             }
-            if (differs.empty() && is_face && whole_.face_areas[e] < part_.least_face - near) differs = "small faces";
+            if (differs.empty() && area < part_.least_face - near) differs = "small faces";
             if (!differs.empty()) return differs;
             ++entry;
         }
         return entry == end ? "" : "neighbors";
     }
 
-    [[nodiscard]] std::string_view of_entry(std::size_t entry, std::size_t e) const {
+    [[nodiscard]] std::string_view of_entry(std::size_t entry, std::size_t e, std::size_t i) const {
         if (part_.indices[entry] != whole_.indices[e]) return "neighbors";
         std::string_view differs;
         detail::for_arrays([&](const auto& array) {
             const auto &given = array.of(part_), &expected = array.of(whole_);
             if (array.per != Per::entry || given.empty() || !differs.empty()) return;
+            // Areas are rounded as their sum.
+            const bool is_area = array.name == "face_areas";
+            const Tolerance& tolerance = is_area ? Tolerance{tolerance_.part, tolerance_.part} : tolerance_;
+            const double least = least_scale(array, size_, part_.planar, tolerance_);
             if (!same_at(given, entry, expected, e, components_of(array, part_.planar),
-                         least_scale(array, size_, part_.planar), tolerance_))
+                         is_area ? std::max(least, surfaces_[i]) : least, tolerance))
                 differs = array.name == "shifts" ? "neighbors" : array.name;
         });
         if (!differs.empty() || part_.face_offsets.empty()) return differs;
@@ -256,9 +292,12 @@ private:
     }
 
     const Result &part_, &whole_;
-    double tolerance_;
+    Rows rows_;                        // of the whole
+    std::vector<std::int8_t> shifts_;  // of three components, where those of the whole have two
+    Tolerance tolerance_;
     std::size_t components_;
-    double size_ = 0;  // of the cell: the distance to its farthest vertex
+    std::vector<double> surfaces_;  // sums of the finite areas of cells, where there are areas
+    double size_ = 0;               // of the cell: the distance to its farthest vertex
 };
 
 }  // namespace

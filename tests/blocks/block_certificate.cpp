@@ -315,3 +315,15 @@ TEST_CASE("blocks: damage that is symmetric is noticed, and no harmless change i
     CHECK(noticed > test::by_size(400, 60));
     CHECK(harmless > 0);
 }
+
+TEST_CASE("blocks: a seed that names another as its duplicate, in any block, is noticed") {
+    test::Random random(12);
+    const Case c = cases().front();
+    const votess::Tessellation t = made(c);
+    for (std::size_t trial = 0; trial < test::by_size(40, 10); ++trial) {
+        InBlocks run = in_blocks(c, t, 5, trial % 2 == 1);
+        run.cells.duplicate_of.assign(c.set.size(), -1);
+        run.cells.duplicate_of[random.below(c.set.size())] = static_cast<std::int64_t>(random.below(c.set.size()));
+        CHECK_FALSE(verified(c, t, run).passed);
+    }
+}

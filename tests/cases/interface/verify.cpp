@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "input/settle.hpp"
 #include "result/handle.hpp"
@@ -546,6 +547,76 @@ TEST_SUITE("cases") {
                 value = right;
             }
         }
+    }
+
+    // Needles, slabs and dots. Sums of areas and heights lose all digits of some volumes.
+    TEST_CASE("verify proves cells of any shape, and sees each wrong size of one") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        test::Random random(120);
+        std::size_t tried = 0;
+        for (std::size_t set = 0; set < test::by_size(40, 10); ++set)
+            for (const int want : {0, 1, 2}) {
+                CAPTURE(set);
+                CAPTURE(want);
+                votess::Options options;
+                options.device = "cpu";
+                options.threads = 1;
+                options.box = test::unit_box();
+                options.want = {.neighbors = want > 0, .volumes = true, .surfaces = want == 2};
+                options.want.centroids = options.want.areas = options.want.vertices = options.want.faces = want == 2;
+                if (want == 1) options.min_area = 1e-60;
+                test::Coordinates points;
+                const auto add = [&](std::int64_t most, double unit, const std::array<double, 3>& scale) {
+                    for (double s : scale)
+                        points.push_back(0.5 + s * unit * static_cast<double>(random.integer(-most, most)));
+                };
+                const std::size_t kind = set % 5;
+                if (kind == 0)  // numbers that were float32
+                    for (int i = 0; i < 30; ++i) add(8, 0x1p-24, {1, 1, 1});
+                if (kind == 1)
+                    for (int i = 0; i < 4; ++i) add(8192, 0x1p-40, {1, 1, 1});
+                if (kind == 2) {
+                    options.box = votess::Box{{0, 0, 0}, {1, 1e-8, 1e-8}};
+                    for (int i = 0; i < 5; ++i)
+                        for (const double side : options.box->upper) points.push_back(side * random.uniform());
+                }
+                if (kind == 3)
+                    for (int i = 0; i < 9; ++i) add(64, 0x1p-30, {0x1p22, 1, 1});
+                if (kind == 4) {
+                    options.box = test::cube(-inf, inf);
+                    for (const double x : test::cubic(4).points)
+                        points.push_back(x + 0x1p-52 * static_cast<double>(random.integer(-2, 2)));
+                    options.want.areas = false;
+                }
+                const auto t = votess::tessellate(std::span<const double>(points), options);
+                const auto report = votess::verify(t, points);
+                CHECK(report.failure == "");
+                CHECK(report.proven);
+                // Changes the largest component of some vectors.
+                const auto change = [&](const std::string& name, std::span<const double> values,
+                                        std::size_t components) {
+                    CAPTURE(name);
+                    for (int k = 0; k < 3 && !values.empty(); ++k) {
+                        const auto begin = components * random.below(values.size() / components);
+                        const auto vector = values.subspan(begin, components);
+                        const auto largest = std::ranges::max_element(
+                            vector, {}, [](double x) { return std::isfinite(x) ? std::abs(x) : -1; });
+                        double& value = const_cast<double&>(*largest);
+                        const double right = value;
+                        if (!std::isfinite(right) || right == 0) continue;
+                        if (components == 3 && std::abs(right) < 1e-6) continue;  // next to the origin
+                        value *= k == 0 ? -1 : 1.001;
+                        CHECK_FALSE(votess::verify(t, points).passed);
+                        value = right;
+                        ++tried;
+                    }
+                };
+                change("volumes", t.volumes(), 1);
+                change("surface_areas", t.surface_areas(), 1);
+                change("centroids", t.centroids(), 3);
+                change("vertices", t.vertices(), 3);
+            }
+        CHECK(tried > test::by_size(400, 100));
     }
 
     TEST_CASE("verify sees that none of some seeds, all outside, has a cell") {
