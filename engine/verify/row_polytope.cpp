@@ -802,13 +802,13 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
 void RowPolytope::measure_corners(Measures& out) const {
     double wide = 0, far = 0;  // squares
     out.error = out.errors = 0;
-    for (std::size_t v = 0; v < corners_.size(); ++v) {
-        const Corner& corner = corners_[v];
+    std::size_t v = 0;
+    for (const Corner& corner : corners_) {
         const Vector3 from = minus(corner.at, corners_[0].at);
         wide = std::max(wide, dot(from, from));
         far = std::max(far, dot(corner.at, corner.at));
         out.error = std::max(out.error, corner.error);
-        out.errors += corner.error * static_cast<double>(through(static_cast<int>(v)).size());
+        out.errors += corner.error * (tight_.empty() ? 3 : static_cast<double>(tight_[v++].size()));
     }
     out.diameter = 2 * std::sqrt(wide);
     out.reach = std::sqrt(far);

@@ -554,7 +554,7 @@ TEST_SUITE("cases") {
         constexpr double inf = std::numeric_limits<double>::infinity();
         test::Random random(120);
         std::size_t tried = 0;
-        for (std::size_t set = 0; set < test::by_size(40, 10); ++set)
+        for (std::size_t set = 0; set < test::by_size(10, 5); ++set)
             for (const int want : {0, 1, 2}) {
                 CAPTURE(set);
                 CAPTURE(want);
@@ -616,7 +616,7 @@ TEST_SUITE("cases") {
                 change("centroids", t.centroids(), 3);
                 change("vertices", t.vertices(), 3);
             }
-        CHECK(tried > test::by_size(400, 100));
+        CHECK(tried > test::by_size(100, 50));
     }
 
     TEST_CASE("verify sees that none of some seeds, all outside, has a cell") {
