@@ -1164,9 +1164,8 @@ void Certificate::check_volume(Worker& sum) {
 }
 
 Certificate::Cover Certificate::cover_of(double volume, double doubt, double domain) {
-    if (!(doubt < 0.25 * domain)) return Cover::unknown;
-    if (volume + doubt < 1.5 * domain) return Cover::once;
-    return std::isinf(domain) ? Cover::unknown : Cover::more;
+    if (!(doubt < 0.25 * domain) || std::isinf(volume)) return Cover::unknown;  // volumes may overflow
+    return volume + doubt < 1.5 * domain ? Cover::once : Cover::more;
 }
 
 std::string Certificate::text_of_cover(double volume, double domain) {
