@@ -130,10 +130,11 @@ private:
         if (!member) return values;
         NpyArray array = open(*member);
         if (!fits(array, rows, columns))
-            throw bad_input(name_ + ": " + name + " does not hold numbers with shape (" +
-                            (rows == 0 ? std::string("W") : std::to_string(rows)) + ", " +
-                            (columns == 1 ? std::string() : std::to_string(columns)) +
-                            "), which state a domain beside box: leave one of these out");
+            throw bad_input(
+                name_ + ": " + name + " does not hold numbers with shape (" +
+                (rows == 0 ? std::string("W") : std::to_string(rows)) + ", " +
+                (columns == 1 ? std::string() : std::to_string(columns)) + ")" +
+                (name == std::string_view("box") ? "" : ", which state a domain beside box: leave one out"));
         return array.read_numbers(values), values;
     }
 
@@ -156,7 +157,7 @@ private:
             periodic[k] = flags[k] == 1;
         }
         for (std::size_t k = 0; k < size; ++k)
-            if (!(box[k] <= box[size + k]))
+            if (!(box[k] < box[size + k]))
                 throw bad_input(name_ + ": box goes from " + to_text(box[k]) + " to " + to_text(box[size + k]) +
                                 " along " + std::string(1, static_cast<char>('x' + k)) +
                                 ": the first row must hold its lower corner");

@@ -29,7 +29,7 @@ constexpr double left_small = 0.25, first_left_small = 1;  // share of small cel
 // are short again.
 constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_filled = 0.01, last_filled = 0.5;
 // Tolerances of the linear solver: a share of the residual, within bounds. So convergence stays quadratic.
-constexpr double solver_share = 0.01, least_solver_tolerance = 1e-7;
+constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
 
 // A first step shorter than this, of so many seeds, is worth a fit of fewer seeds.
 constexpr double hard_share = 0.2;

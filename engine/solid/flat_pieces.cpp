@@ -286,7 +286,7 @@ private:
         for (Ring& ring : rings) {
             const double own = area(ring);
             if (found.empty()) first = own;
-            if (own * first > 0 || found.empty()) found.emplace_back();
+            if ((own > 0) == (first > 0) || found.empty()) found.emplace_back();
             auto of = found.end() - 1;
             while (of != found.begin() && !of->rings.empty() && !contains(of->rings.front(), ring)) --of;
             of->rings.push_back(std::move(ring));

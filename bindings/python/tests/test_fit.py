@@ -120,6 +120,16 @@ class Residuals(unittest.TestCase):
                     error = residual(points, fit.weights, targets, box=UNIT_BOX, periodic=periodic)
                     self.assertLessEqual(error, 1.001e-9, f"size {size}, {kind}, periodic {periodic}")
 
+    def test_targets_over_decades(self):
+        """On a line, where some cells are a million times larger than others: steps need the digits of the linear solver."""
+        for number in range(4):
+            random = np.random.default_rng(number)
+            points = random.random((int(random.integers(30, 60)), 2))
+            points[:, 1] = 0.5
+            targets = 10.0 ** random.uniform(-6, 0, len(points))
+            fit = vt.fit_volumes(points, targets, box=(0, 0, 1, 1), periodic=True, normalize=True, tolerance=1e-6)
+            self.assertLess(fit.steps, 100)
+
     def test_start(self):
         points, targets = uniform(SEEDS), shares(SEEDS, "lognormal")
         fit = vt.fit_volumes(points, targets, box=UNIT_BOX)

@@ -280,6 +280,16 @@ class Polygons(unittest.TestCase):
             around = sum(float(np.hypot(*(ring - np.roll(ring, -1, axis=0)).T).sum()) for ring in rings)
             self.assertAlmostEqual(float(sum(areas)), pieces.volumes[k], delta=2.0**-45 * around * np.abs(rings[0]).max())
 
+    def test_parts_that_touch_in_any_unit(self):
+        """Two parts of a cell touch in a point. Products of their areas underflow in small units."""
+        outline = np.array([(0, 0), (1, 0), (1, 0.5), (0.5, 0.5), (0.5, 1), (0, 1)]) + 64
+        for unit in (1.0, 2.0**-250, 2.0**-300, 2.0**300):
+            t = vt.tessellate(np.array([(64.125, 64.125), (64.375, 64.375)]) * unit, mesh=mesh_of([outline * unit]),
+                              weights=np.array([0, -0.25 + 2**-54]) * unit * unit)
+            pieces = t.pieces()
+            self.assertEqual(pieces.counts.tolist(), [1, 2])
+            np.testing.assert_allclose(pieces.volumes / unit / unit, [0.5, 0.125, 0.125], rtol=1e-12)
+
     def test_no_ring_crosses_itself(self):
         """Seeds that nearly tie, about a point, in lattices and about corners of the polygon, far from the origin too."""
         split = 0
