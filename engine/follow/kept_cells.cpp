@@ -270,7 +270,10 @@ bool KeptCells::sample_pays(const Job& job, double factor) {
     std::vector<std::pair<std::size_t, SeedPlace>> before;
     const auto place = [&](std::size_t s) {
         before.emplace_back(s, places_[s]);
-        places_[s] = place_of(job, static_cast<std::size_t>(order_[s]));
+        SeedPlace now = place_of(job, static_cast<std::size_t>(order_[s]));
+        const auto way = nearest_way(frame_, places_[s].x, now.x);  // see cross()
+        for (std::size_t k = 0; k < 3; ++k) now.x[k] = places_[s].x[k] + way[k];
+        places_[s] = now;
     };
     std::size_t tested = 0, wrong = 0, made = 0, hidden = 0, beside = 0;
     auto signs = std::make_unique<SignTest>();

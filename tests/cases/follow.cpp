@@ -133,7 +133,7 @@ TEST_SUITE("cases") {
             for (const bool wrapped : {false, true}) {
                 CAPTURE(tilted);
                 CAPTURE(wrapped);
-                Moving m(test::by_size(2000, 1000));
+                Moving m(1000);
                 m.options.periodic = {true, true, true};
                 if (tilted) {
                     m.options.box.reset();
