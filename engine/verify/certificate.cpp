@@ -23,7 +23,7 @@ constexpr std::size_t buckets = std::size_t{1} << 12;
 constexpr int max_cuts = 200;  // of a seed without a cell
 constexpr std::size_t max_near_walls = 12;
 constexpr std::size_t max_tried_places = 64;
-constexpr double most_doubt = 4;           // of numbers that are compared, in tolerances: nearly all have much less
+constexpr double max_doubt = 4;            // of numbers that are compared, in tolerances: nearly all have much less
 constexpr double doubt_in_sum = 1.0 / 16;  // of a volume, where it only counts in a sum
 
 // Linear in the shift.
@@ -545,8 +545,8 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
         compares = compares && !endless_.sides->has(result_.indices[e]);
     const bool volumes = compares && (!numbers_.volumes.empty() || !numbers_.centroids.empty()),
                areas = compares && (!numbers_.face_areas.empty() || !numbers_.surface_areas.empty());
-    polytope.measure_within(m, volumes ? most_doubt * tolerance_ : doubt_in_sum,
-                            areas ? most_doubt * tolerance_ : infinity, !numbers_.centroids.empty());
+    polytope.measure_within(m, volumes ? max_doubt * tolerance_ : doubt_in_sum,
+                            areas ? max_doubt * tolerance_ : infinity, !numbers_.centroids.empty());
     const MeasureUnit unit(unscale_ / polytope.unit(), run_.settled.region.thickness);
     if (!result_.stats.tiny_faces) add_areas(w);
     const double wide = m.diameter + 2 * m.error, doubt = m.doubt_of_volume();

@@ -50,7 +50,7 @@ struct Tolerance {
     double part;       // of their own size
     double of_vector;  // of that of their vector, or of its least scale
 
-    // A CPU repeats its numbers, but for the last digits: some runs find corners, or sum, in another order. A GPU
+    // A CPU repeats its numbers except last digits: some runs find corners, or sum, in another order. A GPU
     // rounds relative to the size of all cells.
     static Tolerance of(const Result& r, double part) { return {part, r.stats.device == "cpu" ? 0x1p-40 : part}; }
     [[nodiscard]] bool is_of_cell() const { return of_vector < part; }
