@@ -43,7 +43,7 @@ private:
     static constexpr double max_stretch = 128;
     static constexpr int max_candidates = 160;  // at first
     // With weights a vertex beyond the candidates costs more time.
-    static constexpr int max_weighted_candidates = 300;
+    static constexpr int max_weighted_candidates = 220;
     static constexpr double shrink = 0.5, weighted_shrink = 0.7;  // of the squared reach where they are too many
     static constexpr int max_shrinks = 8, max_weighted_shrinks = 16;
     static constexpr int enough_candidates = 80;
