@@ -469,7 +469,7 @@ class Streamed(Hdf5Test):
         """Ctrl-C and a full disk leave no files."""
         (self.folder / "temporary").mkdir()
         for seconds in [0, 0.6]:
-            with self.start("--random", 2000000, "--memory", "400M", "-o", "out.h5", "--temporary", "temporary",
+            with self.start("--random", 8000000, "--memory", "400M", "-o", "out.h5", "--temporary", "temporary",
                             stderr=subprocess.PIPE, text=True) as run:
                 self.assertIn("of temporary files in temporary", run.stderr.readline())
                 time.sleep(seconds)

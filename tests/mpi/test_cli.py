@@ -250,8 +250,8 @@ class Killed(RanksTest):
             return False
         return len(ticks) == 3 and min(map(int, ticks)) >= 0.2 * os.sysconf("SC_CLK_TCK")
 
-    def kill_one(self, which, when):
-        command = [*MPIEXEC, "3", CLI_MPI, "--random", "200000", "--want", "neighbors,areas,normals", "-o", "out.h5"]
+    def kill_one(self, which, when, count):
+        command = [*MPIEXEC, "3", CLI_MPI, "--random", str(count), "--want", "neighbors,areas,normals", "-o", "out.h5"]
         with subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as run:
             try:
                 ranks = []
@@ -266,10 +266,10 @@ class Killed(RanksTest):
         self.assertEqual(self.files(), [])
 
     def test_while_it_writes(self):
-        self.kill_one(-1, lambda run: self.files() != [])
+        self.kill_one(-1, lambda run: self.files() != [], 200000)
 
     def test_while_it_clips(self):
-        self.kill_one(0, self.are_at_work)
+        self.kill_one(0, self.are_at_work, 2000000)  # they clip ten times as long as they are watched
 
 
 if __name__ == "__main__":
