@@ -607,14 +607,13 @@ void Certificate::measure_handed(Worker& w, std::size_t i) {
         return check_numbers(w, i);
     const std::span<const double> doubled = polytope.vector_areas(w.measures.vectors);
     w.measures.areas.resize(p.count);
-    double volume = 0, surface = 0;
+    double volume = 0;
     for (std::size_t f = 0; f < p.count; ++f) {
         const double inverse = p.inverse[f],
                      area = 0.5 * inverse *
                             (doubled[4 * f] * p.nx[f] + doubled[4 * f + 1] * p.ny[f] + doubled[4 * f + 2] * p.nz[f]);
         w.measures.areas[f] = area;
         volume += area * p.d[f] * inverse / 3;
-        surface += area;
     }
     RowPolytope::Measures& m = w.measures;
     m.errors = 3 * error * static_cast<double>(polytope.corners().size());

@@ -187,9 +187,16 @@ TEST_SUITE("cases") {
             std::vector<double> turned = points, turned_targets = targets;
             std::ranges::rotate(turned, turned.end() - static_cast<std::ptrdiff_t>(3 * first));
             std::ranges::rotate(turned_targets, turned_targets.end() - static_cast<std::ptrdiff_t>(first));
-            const std::string pair = std::to_string((first + 1) % 4) + ", " + std::to_string(first) + " and 2 others: ";
-            CHECK_THROWS_WITH_AS((void)votess::fit_volumes(turned, turned_targets, options, {.max_steps = 100}),
-                                 doctest::Contains(("at points " + pair + "the last ").c_str()), FitError);
+            std::string message;
+            const auto fit = [&] { (void)votess::fit_volumes(turned, turned_targets, options, {.max_steps = 100}); };
+            CHECK(test::error_of(fit, &message) == ErrorCode::not_converged);
+            // Rounding decides which of the two is worse.
+            const auto names = [&](std::size_t i, std::size_t j) {
+                const std::string pair = std::to_string(i % 4) + ", " + std::to_string(j % 4);
+                return message.find("at points " + pair + " and 2 others: the last ") != std::string::npos;
+            };
+            CAPTURE(message);
+            CHECK((names(first, first + 1) || names(first + 1, first)));
         }
         CHECK_THROWS_WITH_AS((void)votess::fit_volumes(points, targets, options, {.max_steps = 5}),
                              doctest::Contains("raise FitOptions::max_steps"), FitError);
