@@ -21,7 +21,7 @@ std::optional<std::size_t> find_any(const Words& names, const std::string& name)
 }
 
 std::optional<std::size_t> find_species(const Words& names) {
-    for (const char* const name : {"species", "element", "symbol", "typelabel", "type"})
+    for (const char* const name : {"element", "typelabel", "species", "symbol", "type"})
         if (const auto at = find_name(names, name)) return at;
     return std::nullopt;
 }

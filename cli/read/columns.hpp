@@ -15,7 +15,7 @@ namespace clvotess {
 [[nodiscard]] std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::size_t columns);
 
 // Places of the requested columns in the rows of a file. A vector NAME may consist of columns NAME_1, NAME_2, ... The
-// name species also finds a column element, symbol, typelabel or type, and type finds typelabel.
+// name species also finds a column element, typelabel, symbol or type, and type finds typelabel.
 class ColumnPlaces {
 public:
     // names: of all columns; numbers from 1 where they have none. where: for messages. Throws Failure when a requested

@@ -168,7 +168,7 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     for (std::size_t k = 0; k < 3 && !mesh.skewed; ++k) mesh.edges[4 * k] = box.upper[k] - box.lower[k];
     if (given.seeds != nullptr) mesh.seeds = {given.seeds, static_cast<std::size_t>(3 * given.cells)};
     if (given.weights != nullptr) mesh.weights = {given.weights, static_cast<std::size_t>(given.cells)};
-    mesh.min_edge = checked_length(given.min_edge, "mesh.min_edge");
+    mesh.min_edge = checked_length(given.min_edge, "min_edge");
     mesh.short_edges = given.short_edges;
     mesh.measure = measure_into(given.quality);
     if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};

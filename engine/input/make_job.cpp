@@ -451,7 +451,13 @@ std::vector<double> scaled_weights(Weights given, std::size_t count, const char*
 Box box_of(const Region& region, const Box& bounds, std::uint64_t count) {
     if (region.box) return *region.box;
     Box box = default_box(bounds, count);
-    if (!region.walls.empty()) check_box(box = bounds_of(region.walls, box));
+    if (region.walls.empty()) return box;
+    box = bounds_of(region.walls, box);
+    for (std::size_t k = 0; k < 3; ++k)
+        if (!(box.lower[k] < box.upper[k]))
+            refuse(std::string("Options::walls: they leave nothing of the box around the points: ") + "xyz"[k] +
+                   " would go from " + number(box.lower[k]) + " to " + number(box.upper[k]) +
+                   ": give other walls, or a box");
     return box;
 }
 

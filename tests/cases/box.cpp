@@ -59,6 +59,22 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("box: walls that leave nothing of a box around the points are named, not a box") {
+        votess::Options options;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const double sign : {-1.0, 1.0}) {
+                votess::Wall wall{{}, -5};
+                wall.normal[axis] = sign;
+                options.walls = {wall};
+                for (const auto outside : {votess::Outside::error, votess::Outside::drop, votess::Outside::keep}) {
+                    options.outside = outside;
+                    const std::string message = refusal({0.5, 0.5, 0.5, -0.5, 0.25, 0.75}, options);
+                    CHECK(has(message, "walls: they leave nothing of the box around the points: "));
+                    CHECK(!has(message, "Options::box"));
+                }
+            }
+    }
+
     TEST_CASE("box: bounds, walls, normals and weights that scaling would round are refused") {
         votess::Options options = test::all_options(votess::Box{{0x1p-1000, 0, 0}, {0x1p100, 0x1p100, 0x1p100}});
         CHECK(has(refusal({1, 1, 1}, options), "box: lower x"));

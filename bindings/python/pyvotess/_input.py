@@ -350,8 +350,11 @@ def as_periodic(periodic: Any, dimensions: Optional[int]) -> Union[bool, Tuple[b
     return tuple(flags)
 
 
-def fill_weights(options: _c_api.Struct, weights: Any, radii: Any, count: int) -> None:
-    """Sets weights and radii of the points."""
+def fill_weights(options: _c_api.Struct, weights: Any, radii: Any, count: int) -> Optional[Float64Array]:
+    """Sets weights and radii of the points. Returns the weights, None without any."""
+    found = None
     for name, values in (("weights", weights), ("radii", radii)):
         if values is not None:
-            setattr(options, name, as_one_each(values, name, count, "points"))
+            found = as_one_each(values, name, count, "points")
+            setattr(options, name, found)
+    return np.square(found) if found is not None and radii is not None else found

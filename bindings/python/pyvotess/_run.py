@@ -18,6 +18,8 @@ from ._library import lib
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ._types import Float64Array
+
 
 def new_options(**given: Any) -> Any:
     """Returns the library's defaults with the given values."""
@@ -52,11 +54,11 @@ def implied_words(options: _c_api.Struct) -> Tuple[str, ...]:
 
 def tessellate_points(
     tessellator: Optional[Handle], options: _c_api.Struct, given: Dict[str, Any]
-) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], Domain]:
+) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], Domain, Optional[Float64Array]]:
     """Runs with the arguments of ``tessellate()`` by name, those of its Tessellator set in ``options``.
 
-    Returns the library's result, the (N, 3) or (N, 2) points that it read, the words of ``want`` that it holds, and the
-    domain as it was given.
+    Returns the library's result, the (N, 3) or (N, 2) points that it read, the words of ``want`` that it holds, the
+    domain as it was given, and with ``only`` the weights of all points if they have some.
     """
     array, progress = as_points(given.pop("points"), planar=True), given.pop("progress")
     domain = as_domain(given.pop("domain"), given.pop("keywords", {}))
@@ -65,7 +67,7 @@ def tessellate_points(
     only = as_only(given.pop("only", None), len(array))
     set_options(options, given)
     domain._fill(options, array)
-    fill_weights(options, weights, radii, len(array))
+    given_weights = fill_weights(options, weights, radii, len(array))
     if only is not None:
         options.has_only, options.only_count, options.only = 1, len(only), only
     wanted = implied_words(options)
@@ -73,4 +75,4 @@ def tessellate_points(
     function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
     result = Handle("result")
     run(function, tessellator, array, len(array), options, result, options=options, progress=progress)
-    return result, array, wanted, domain
+    return result, array, wanted, domain, None if only is None or given_weights is None else given_weights.copy()

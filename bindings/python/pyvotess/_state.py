@@ -289,8 +289,14 @@ class Cells(ArrayAttributes):
 class SeedCells(Cells):
     """The cells of N seeds. :class:`pyvotess.Tessellation` adds files, pictures and further computations."""
 
-    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain: Domain) -> None:
+    _seed_weights: Optional[Float64Array] = None
+
+    def __init__(
+        self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain: Domain, weights: Optional[Float64Array] = None
+    ) -> None:
+        """weights: those of all points where the result has some of their cells."""
         super().__init__(result, wanted)
+        self._seed_weights = weights
         self._result: Optional[Handle] = result  # None after unpickling, until needed
         self._points = points
         self._given_domain = domain
@@ -368,20 +374,56 @@ class SeedCells(Cells):
         return places
 
 
-def differing_array(ours: ResultData, again: ResultData) -> str:
-    """Returns the name of an array that differs, or "". Floating-point arrays may differ by rounding."""
+def _sizes(data: ResultData, places: Float64Array) -> Dict[str, Float64Array]:
+    """Returns the lengths and areas whose digits entries of some arrays have. places: of the seeds."""
+    held = data.arrays
+    sizes: Dict[str, Float64Array] = {}
+    if "face_areas" in held:
+        rows = np.repeat(np.arange(len(places)), np.diff(held["indptr"]))
+        finite = np.where(np.isinf(held["face_areas"]), 0, held["face_areas"])
+        surfaces: Float64Array = np.bincount(rows, finite, len(places)).astype(np.float64)
+        sizes["face_areas"] = surfaces[rows]
+    if "centroids" in held:
+        size = np.linalg.norm(held["centroids"] - places, axis=1)
+        if "volumes" in held:
+            size += held["volumes"] ** (1 / places.shape[1])
+        sizes["centroids"] = size[:, None]
+    if "vertices" in held:
+        corners = held["cell_vertex_indices"]
+        rows = np.repeat(np.arange(len(places)), np.diff(held["cell_vertex_indptr"]))
+        reach, size = np.zeros(len(places)), np.zeros(len(held["vertices"]))
+        np.maximum.at(reach, rows, np.linalg.norm(held["vertices"][corners] - places[rows], axis=1))
+        np.maximum.at(size, corners, reach[rows])
+        sizes["vertices"] = size[:, None]
+    return sizes
+
+
+def differing_array(ours: ResultData, again: ResultData, places: Float64Array) -> str:
+    """Returns the name of an array that differs, or "". Floating-point arrays may differ by rounding.
+
+    places: of the seeds. ``again`` is made on the CPU.
+    """
     if ours.arrays.keys() != again.arrays.keys():
         return ", ".join(sorted(ours.arrays.keys() ^ again.arrays.keys()))
-    error = 1e-9 if ours.stats.precision == "double" else 1e-4
-    for name, array in ours.arrays.items():
-        other = again.arrays[name]
-        if array.dtype.kind != "f":
-            if not np.array_equal(array, other):
-                return name
-        elif array.shape != other.shape:
+    differ = [name for name, array in ours.arrays.items() if not np.array_equal(array, again.arrays[name], array.dtype.kind == "f")]
+    if any(ours.arrays[name].shape != again.arrays[name].shape for name in differ):
+        return differ[0]
+    single = ours.stats.precision != "double"
+    sizes = _sizes(again, places) if differ and not single else {}
+    for name in differ:
+        array, other = ours.arrays[name], again.arrays[name]
+        if array.dtype.kind != "f" or name == "weights":
             return name
+        error = 1e-4 if single else 1e-9
+        own = np.abs(other) if other.ndim == 1 else np.linalg.norm(other, axis=1, keepdims=True)
+        if single:  # rounded by the size of all cells
+            allowed = error * (own + np.max(np.abs(other), where=np.isfinite(other), initial=0))
+        elif name in sizes and other.ndim == 2:  # places, which are rounded as float64
+            allowed = 1e-14 * own + error * sizes[name]
         else:
-            scale = float(np.fmax.reduce(np.abs(other).ravel(), initial=0.0))  # NaN are skipped
-            if not np.allclose(array, other, rtol=error, atol=error * scale, equal_nan=True):
-                return name
+            allowed = error * (own + sizes.get(name, np.zeros(1)))
+        with np.errstate(invalid="ignore"):  # of infinite numbers
+            same = (array == other) | (np.abs(array - other) <= allowed) & np.isfinite(other) | np.isnan(array) & np.isnan(other)
+        if not same.all():
+            return name
     return ""

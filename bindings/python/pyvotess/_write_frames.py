@@ -41,19 +41,27 @@ def _equal(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> bool:
         return np.array_equal(a.astype(str), b.astype(str))
 
 
+_SPECIES = ("element", "typelabel", "species", "symbol", "type")  # readers take the first one that is there
+
+
 def _named(frame: Frame, own: List[Column]) -> Dict[str, npt.NDArray[Any]]:
     """Returns the columns of a frame that the file does not write by itself.
 
-    own: those that it writes. Raises ValueError for columns that a line cannot hold, and for others of the same name.
+    own: those that it writes. Raises ValueError for columns that a line cannot hold, for others of the same name, and for
+    those that would be read as species or ids.
     """
     columns = {}
     taken = dict(own)
+    before = _SPECIES[: min(_SPECIES.index(name) for name in taken if name in _SPECIES)]
+    others = {**dict.fromkeys(before, "species"), "id": "ids"}
     for name, given in frame.columns.items():
         values = np.asarray(given)
         if name in taken and _equal(values, taken[name]):
             continue
         if name in taken:
             raise ValueError(f"frame {frame.number}: the file has a column {name!r} of its own: give this one another name")
+        if name in others:
+            raise ValueError(f"frame {frame.number}: a column {name!r} would be read as {others[name]}: give it another name")
         if values.ndim not in (1, 2) or len(values) != len(frame) or values.dtype.kind not in "iubfU" or 0 in values.shape[1:]:
             raise ValueError(f"frame {frame.number}: column {name!r} has shape {values.shape}: give {len(frame)} rows of numbers or words")
         if values.dtype.kind == "U" and (values.ndim == 2 or not _are_words(values.tolist())):

@@ -62,7 +62,8 @@ class Tessellation(SeedCells):
     def _arguments(self, **changed: Any) -> Dict[str, Any]:
         """Returns the arguments of the run, by name."""
         given: Dict[str, Any] = dict(
-            points=self.points, domain=self.domain, weights=self.weights, radii=None, only=self.ids, want=self.wanted,
+            points=self.points, domain=self.domain, weights=self.weights if self.ids is None else self._seed_weights,
+            radii=None, only=self.ids, want=self.wanted,
             list_walls=self.lists_walls, min_area=self.least_face, progress=None,
         )  # fmt: skip
         given.update(changed)
@@ -70,8 +71,9 @@ class Tessellation(SeedCells):
 
     def _tessellated_again(self) -> Tuple[Handle, str]:
         """Returns a new object of the library for the same points, and the name of an array that differs, or ""."""
-        result, _, wanted, _ = tessellate_points(None, new_options(device="cpu"), self._arguments())
-        return result, differing_array(self._data, read_result(result, wanted))
+        result, _, wanted, *_ = tessellate_points(None, new_options(device="cpu"), self._arguments())
+        places = self.wrapped_points if self.ids is None else self.wrapped_points[self.ids]
+        return result, differing_array(self._data, read_result(result, wanted), places)
 
     def _with_all_faces(self) -> Tessellation:
         """Returns the result without ``min_face`` and ``min_area``."""
@@ -236,7 +238,8 @@ class Tessellation(SeedCells):
         """Returns sphericity, aspect ratio and axes of each cell. Needs "faces" in want, but not in a mesh.
 
         The axes are those of the ellipsoid with the same second moments, in the plane of the ellipse. In a mesh they are those
-        of the part of the cell inside. Cells that reach infinity are refused; ``open="skip"`` leaves their rows nan.
+        of the part of the cell inside. Cells that reach infinity are refused; ``open="skip"`` leaves their rows nan. Corners are
+        rounded as ``vertices``, so a cell much smaller than its coordinates has fewer digits than in ``volumes``.
 
         >>> shapes = t.shapes()
         >>> bool((shapes.sphericity < 1).all())

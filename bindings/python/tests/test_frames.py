@@ -197,6 +197,21 @@ class Files(Folder):
         for step, says in ((0.5, "whole numbers"), (np.nan, "whole numbers")):
             with self.assertRaisesRegex(ValueError, says):
                 vt.write_frames(self.folder / "b.dump", [vt.Frame(0, np.ones((1, 3)), box, step)])
+        names = ("element", "typelabel", "species", "symbol", "type")
+        for extension in (".xyz", ".dump"):
+            for species in (None, ["H", "C"], ["1", "2"]):
+                for name in (*names, "id", "x", "xu"):
+                    given = vt.Frame(0, np.ones((2, 3)), box, species=species, columns={name: np.array([7.5, 8.5])})
+                    path = self.folder / ("f" + extension)
+                    try:
+                        vt.write_frames(path, [given])
+                    except ValueError as error:
+                        self.assertRegex(str(error), "give (it|this one) another name")
+                        continue
+                    found = next(vt.read_frames(path))
+                    self.assertEqual(found.columns[name].tolist(), [7.5, 8.5])
+                    if species is not None:
+                        self.assertEqual(list(found.species), species)
         edge = vt.Frame(0, [[0.9, 0.3, 0.8], [0.2, 0.1, 0.1]], vt.Domain.box((0.2, 0.1, 0.1, 0.9, 0.3, 0.8)))
         for name in ("d.xyz", "d.dump"):
             vt.write_frames(self.folder / name, [edge])

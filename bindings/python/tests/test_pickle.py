@@ -118,6 +118,33 @@ class Pickles(unittest.TestCase):
                 other.delaunay()
             self.assertEqual(caught.exception.code, vt.ErrorCode.INVALID_USE)
 
+    def test_a_changed_number_is_found_by_the_size_of_its_cell(self):
+        """Also beside infinite numbers, much larger cells, and far from the origin."""
+        points = uniform(60)
+        points[30:] = 0.3 + 1e-5 * points[30:]
+        sets = [(points, {"box": "none"}), (points, {"box": UNIT_BOX}), (points[:, :2], {"box": (0, 0, 1, 1)}),
+                (points + 2.0**20, {"box": 2.0**20 + np.array(UNIT_BOX)}), (points, {"box": UNIT_BOX, "periodic": True}),
+                (points, {"box": UNIT_BOX, "only": range(20, 50), "weights": np.full(60, 0.5)})]  # fmt: skip
+        for given, domain in sets:
+            for instructions in ("baseline", ""):  # other last digits
+                t = vt.tessellate(given, **domain, want=EVERYTHING, instructions=instructions)
+                self.assertTrue(pickle.loads(pickle.dumps(t)).verify())
+            small = int(np.argmin(t.volumes))
+            entry, corner = int(t.neighbors.indptr[small + 1]) - 1, int(t.cell_vertices[small][0])
+            size = t.volumes[small] ** (1 / t.points.shape[1])
+            places = (("volumes", small), ("surface_areas", small), ("security_radii", small), ("face_areas", entry))
+            for name, place in (*places, ("centroids", (small, 0)), ("vertices", (corner, 0)), ("face_normals", (entry, 0))):
+                with self.subTest(name, domain=domain):
+                    other = pickle.loads(pickle.dumps(t))
+                    changed = other._data.arrays[name].copy()
+                    if name == "face_areas":
+                        place = int(t.neighbors.indptr[small]) + int(np.argmax(changed[t.neighbors.indptr[small] : entry + 1]))
+                    changed[place] += 0.01 * (size if name in ("centroids", "vertices") else 1 if name == "face_normals" else changed[place])
+                    other._data.arrays[name] = changed
+                    report = other.verify()
+                    self.assertFalse(report)
+                    self.assertIn(f"different {name}", report.failure)
+
     def test_a_pickle_that_no_run_gives_is_found(self):
         t = vt.tessellate(uniform(50), box=UNIT_BOX, only=[3, 5, 7], want="neighbors,volumes")
         for ids, says in (([3, 3, 7], "seed 3 at place 1 was named before"), ([3, 5, 50], "50"), ([-1, 5, 7], "-1"), ([5, 3, 7], "different")):

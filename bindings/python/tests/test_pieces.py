@@ -190,6 +190,12 @@ class TestPieces(unittest.TestCase):
             pieces.save(self.folder / ("none" + extension))
         data = (self.folder / "none.glb").read_bytes()
         self.assertEqual(json.loads(data[20:])["asset"]["version"], "2.0")
+        shrunk = vt.tessellate(uniform(9), mesh=CUBE).pieces(gap=9)
+        self.assertEqual(len(shrunk), 0)
+        for none in (pieces, shrunk):
+            none.save(self.folder / "none.html")
+            with self.assertRaisesRegex(ValueError, "there are no pieces to draw"):
+                none.image()
 
 
 if __name__ == "__main__":

@@ -136,6 +136,8 @@ def image_of_pieces(
     """
     path = None if file is None else png_path(file, "file")
     count = len(arrays["vertex_offsets"]) - 1
+    if count == 0:
+        raise ValueError("there are no pieces to draw")
     rows = {"indptr": np.arange(count + 1, dtype=np.int64), "ids": np.arange(count, dtype=np.int64)}
     given = _c_api.PieceArrays(rows=count, **{name: np.ascontiguousarray(a) for name, a in {**arrays, **rows}.items()})
     numbers = np.ascontiguousarray(values, np.float64)

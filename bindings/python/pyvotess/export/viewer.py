@@ -175,7 +175,7 @@ def view_of_pieces(pieces: Any, columns: Optional[Values] = None, colormap: str 
     edge = np.minimum(start, end) * len(mesh.vertices) + np.maximum(start, end)
     order = np.lexsort((side, edge))
     begin = np.flatnonzero(np.diff(edge[order], prepend=-1))
-    ends = np.append(begin[1:], len(edge)) - 1
+    ends = np.append(begin, len(edge))[1:] - 1
     differs = side[order[begin]] != side[order[ends]]
     drawn = np.zeros(len(edge), bool)
     drawn[order[begin[differs]]] = True

@@ -161,6 +161,8 @@ def lloyd(
     moving = ~_as_mask(fixed, len(array))
     tolerance, over_relaxation = as_number(tolerance, "tolerance"), as_number(over_relaxation, "over_relaxation")
     normalize = as_flag(normalize, "normalize")
+    if normalize and volumes is None:
+        raise ValueError("normalize= goes with volumes= only: without it there is nothing to scale")
     if not 0 <= tolerance < np.inf:
         raise ValueError(f"tolerance is {tolerance}: it must be finite and not negative")
     if not 0 < over_relaxation < 2:
@@ -206,6 +208,8 @@ def lloyd(
                 way, energy = t.centroids - places, constant - _moment(t, places)
             else:
                 way, energy = _measure(t, places, density, threads)
+            if density is not None and t.volumes.any() and np.isnan(way).all():
+                raise ValueError("the density is 0 in all cells: there is no mass whose centers seeds could move to")
             energies.append(energy)
             if is_last:
                 break
@@ -215,7 +219,7 @@ def lloyd(
             way[~moving | np.isnan(way[:, 0])] = 0
             far = over_relaxation * way
             way = far if over_relaxation <= 1 else np.where(_inside(t, places + far)[:, None], far, way)
-            spacing = (t.volumes.sum() / len(t)) ** (1 / array.shape[1]) if len(t) else 1.0
+            spacing = float(t.volumes.sum() / max(len(t), 1)) ** (1 / array.shape[1]) or 1.0  # nothing moves without cells
             moved.append(float(np.sqrt((way**2).sum(axis=1).max(initial=0)) / spacing))
             array = array + way
             del t  # the next result reuses its memory
