@@ -37,8 +37,9 @@ float Multigrid::Triangle::product(std::size_t first_row, std::size_t end_row, c
     using Four __attribute__((vector_size(16))) = float;
     Four sum{};
     for (std::size_t e = begin_[first_row]; e < begin_[end_row]; ++e) {
-        const auto& [column, value] = eights_[e];
-        const auto x = [&](std::size_t k) { return with[static_cast<std::size_t>(column[k])]; };
+        const Eight& eight = eights_[e];
+        const auto& value = eight.value;
+        const auto x = [&](std::size_t k) { return with[static_cast<std::size_t>(eight.column[k])]; };
         sum += Four{value[0], value[1], value[2], value[3]} * Four{x(0), x(1), x(2), x(3)} +
                Four{value[4], value[5], value[6], value[7]} * Four{x(4), x(5), x(6), x(7)};
     }
