@@ -20,6 +20,9 @@ constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
 // Steps change most cells from a larger residual, if log volume also differs by more: root of the mean square.
 constexpr double long_step = 10, long_change = 0.8;
+// A first step from a residual between these is followed by another one that changes most cells, and hardly a cell
+// dies.
+constexpr double short_residual = 1, dying_residual = 4;
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
 constexpr double dying = 1e-4, max_dying = 0.1;
 constexpr int max_revivals = 3, max_first_revivals = 40;
@@ -68,7 +71,6 @@ Newton::Newton(Problem problem, const FitOptions& options, VolumeFit& out)
         (problem_.density ? problem_.run.want.faces : problem_.run.want.centroids) = true;
     }
     problem_.run.precision = Precision::double_;
-    problem_.run.follow = true;  // the last steps change weights a little
 }
 
 Weighted Newton::tessellate(Vector weights, Runner& runner) {
@@ -96,20 +98,24 @@ Weighted Newton::tessellate(Vector weights, Runner& runner) {
     return result;
 }
 
-// A runner that cannot repair the cells of its last call keeps few of the next ones, but a new one keeps all. Steps are
-// short in the end, and revivals change few cells.
+// A runner stores cells for the next step, or for revivals, where these change few. One that cannot repair the cells of
+// its last call stores few, while a new one stores all.
 Weighted Newton::tessellate(Vector weights) {
+    const bool is_first = now_.volumes.size() == 0;
+    const bool is_far = is_first ? (weights.array() == 0).all()
+                                 : out_.steps == 0 && now_.residual >= short_residual && now_.residual < dying_residual;
+    problem_.run.follow = !is_far;
     Weighted result = tessellate(std::move(weights), runner_);
-    if (!is_first_run_ && result.tessellation.stats().kept_cells == 0)
+    if (!is_far && has_cells_ && result.tessellation.stats().kept_cells == 0)
         forget();
     else
-        is_first_run_ = false;
+        has_cells_ = !is_far;
     return result;
 }
 
 void Newton::forget() {
     runner_ = Runner();
-    is_first_run_ = true;
+    has_cells_ = false;
 }
 
 void Newton::measure(Weighted& of) const {

@@ -114,7 +114,7 @@ private:
     const FitOptions& options_;
     VolumeFit& out_;
     Runner runner_;
-    bool is_first_run_ = true;  // of runner_
+    bool has_cells_ = false;  // of the last call, in runner_
     Matrix matrix_;
     Weighted now_;
     std::optional<Weighted> best_;  // before steps upward, and of them

@@ -247,7 +247,7 @@ bool KeptCells::match(const Job& job, bool same_rows) {
         alignas(8) std::byte scratch[LooseCell::max_bytes];
         worker.loose.read(KeptCell(at));
         worker.loose.sort_faces(order);
-        const std::size_t room = room_of(at), bytes = worker.loose.pack(to, worker.edges, room, scratch);
+        const std::size_t room = room_of(at), bytes = worker.loose.pack(room, scratch);
         if (room < bytes) cells[to] = allocate(bytes, worker);
         std::memcpy(cells[to], scratch, bytes);
     }

@@ -43,33 +43,32 @@ public:
         out.exact = this;
         const SeedPlace& at = places_[seed_];
         const SeedImages* const images = seeds_.images;
-        const bool exact = images == nullptr || images->is_exact(seed_);
-        const bool shifted = cell_.head().shifted;
-        for (std::size_t f = 0; f < ids.size(); ++f) {
-            out.rank[f] = static_cast<std::uint8_t>(f);
-            CellShape::Plane& plane = out.plane[f];
-            const std::int32_t id = ids[f];
-            if (id < 0) {
-                plane = {};
-                const exact::Plane wall = this->wall(id);
-                if (wall.is_oblique()) {
-                    const auto image = mirror_image(make_plane(base_.point, id, wall));
-                    for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * image[k];
-                } else {
-                    plane.n[wall.axis] = wall.wall - at.x[wall.axis];
-                }
-                continue;
-            }
-            const auto i = static_cast<std::size_t>(id);
-            const SeedPlace& other = places_[i];
-            if (exact && !(shifted && cell_.near_shift(f) != KeptCell::NearShift{}) &&
-                (images == nullptr || images->is_exact(i))) {
-                for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * (other.x[k] - at.x[k]);
+        std::size_t walls = 0;  // which come first
+        for (; walls < ids.size() && ids[walls] < 0; ++walls) {
+            CellShape::Plane& plane = out.plane[walls] = {};
+            const exact::Plane wall = this->wall(ids[walls]);
+            if (wall.is_oblique()) {
+                const auto image = mirror_image(make_plane(base_.point, ids[walls], wall));
+                for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * image[k];
             } else {
-                const auto way = exact::differences(base_.point, this->plane(f)).x;
-                for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * way[k].high;
+                plane.n[wall.axis] = wall.wall - at.x[wall.axis];
             }
-            plane.power = 0.25 * (at.weight - other.weight);
+        }
+        for (std::size_t f = 0; f < ids.size(); ++f) out.rank[f] = static_cast<std::uint8_t>(f);
+        for (std::size_t f = walls; f < ids.size(); ++f) {
+            const SeedPlace& other = places_[ids[f]];
+            for (std::size_t k = 0; k < 3; ++k) out.plane[f].n[k] = 0.5 * (other.x[k] - at.x[k]);
+            out.plane[f].power = -0.25 * (other.weight - at.weight);
+        }
+        const bool shifted = cell_.head().shifted;
+        if (images != nullptr && (shifted || images->any_wrapped())) {
+            const bool exact = images->is_exact(seed_);
+            for (std::size_t f = walls; f < ids.size(); ++f) {
+                const bool has_shift = shifted && cell_.near_shift(f) != KeptCell::NearShift{};
+                if (exact && !has_shift && images->is_exact(static_cast<std::size_t>(ids[f]))) continue;
+                const auto way = exact::differences(base_.point, this->plane(f)).x;
+                for (std::size_t k = 0; k < 3; ++k) out.plane[f].n[k] = 0.5 * way[k].high;
+            }
         }
         const auto corners = cell_.corners();
         out.corners = static_cast<int>(corners.size());

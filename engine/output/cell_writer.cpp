@@ -199,12 +199,12 @@ bool CellWriter::write(std::size_t seed, const KeptCell& cell, bool with_row) {
         ranks_.resize(max_ranked);
     }
     wall_faces_ = 0;
-    for (std::size_t f = 0; f < count; ++f) {
+    while (wall_faces_ < count && ids[wall_faces_] < 0) ++wall_faces_;  // they come first
+    std::iota(ranks_.begin(), ranks_.begin() + static_cast<std::ptrdiff_t>(count), 0u);
+    for (std::size_t f = 0; f < count && with_row; ++f)
         names_[f] = ids[f] < 0 ? ids[f] : seeds_.input[static_cast<std::size_t>(ids[f])];
-        ranks_[f] = static_cast<std::uint32_t>(f);
-        wall_faces_ += ids[f] < 0 ? 1 : 0;
-        if (want_.normals) face_normals_.push_back(unit_normal(kept_planes_.seed(), kept_planes_.plane(f)));
-    }
+    for (std::size_t f = 0; f < count && want_.normals; ++f)
+        face_normals_.push_back(unit_normal(kept_planes_.seed(), kept_planes_.plane(f)));
     ranked_ids_ = ids;
     shifted_ = cell.head().shifted;
     hidden_ = walls_ ? 0 : wall_faces_;
