@@ -332,6 +332,21 @@ TEST_SUITE("cases") {
         CHECK(far > 0);
     }
 
+    TEST_CASE("unbounded: seeds apart by less than the rounding of their other coordinate") {
+        const double x = 0.005, y = 5e-9, apart = 0x1p-70;
+        for (const std::size_t n : {2, 40}) {
+            CAPTURE(n);
+            Coordinates points;
+            for (std::size_t i = 0; i < n; ++i) points.insert(points.end(), {x, y + static_cast<double>(i) * apart});
+            Options options = endless_options(votess::Box{{-inf, -inf, 0}, {inf, inf, 0}});
+            options.planar = true;
+            const auto t = votess::tessellate(points, options);
+            REQUIRE(points[3] > points[1]);
+            CHECK(votess::verify(t, points).failure == "");
+            for (std::size_t i = 0; i < n; ++i) CHECK(t.neighbors(i).size() == (i == 0 || i + 1 == n ? 2 : 3));
+        }
+    }
+
     TEST_CASE("unbounded: a vertex on an end of the near box") {
         // A vertex lies six times the width of these seeds away from them.
         const std::vector<int> places{8, 3,  2,  -8, 5,  -1, 0,  -3, -1, 4, -2, 2,  4,  -4, -5, 7, -6, 1, -1, -5,
