@@ -194,7 +194,41 @@ std::string shapes_of(Dimensions dimensions) {
     return text;
 }
 
-FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
+namespace {
+
+// Throws Failure unless the corners of a box are in order, and around a cell if there is one. A cell without an edge
+// has no end there.
+void check_stated(const std::string& file, const std::vector<double>& box, const std::vector<double>& cell,
+                  const std::vector<double>& origin) {
+    constexpr double rounding = 1e-6;  // of cells in single precision
+    const std::size_t size = box.size() / 2;
+    if (cell.empty() != origin.empty())
+        throw bad_input(file + ": there is " + (cell.empty() ? "an origin, and no cell" : "a cell, and no origin") +
+                        ": a cell needs both, a box neither");
+    for (std::size_t k = 0; k < size; ++k) {
+        const double lower = box[k], upper = box[size + k];
+        const std::string axis(1, static_cast<char>('x' + k));
+        if (lower == upper)
+            throw bad_input(file + ": box is flat along " + axis + ", at " + to_text(lower) +
+                            (k == 2 ? ": leave z out of points and box, and add --2d" : ": give it a length there"));
+        if (!(lower < upper))
+            throw bad_input(file + ": box goes from " + to_text(lower) + " to " + to_text(upper) + " along " + axis +
+                            ": the first row must hold its lower corner");
+        if (cell.size() != size * size || origin.size() != size) continue;
+        double from = origin[k], to = origin[k];
+        for (std::size_t j = 0; j < size; ++j) (cell[size * j + k] < 0 ? from : to) += cell[size * j + k];
+        const double allowed = rounding * (to - from + std::abs(origin[k]));
+        const auto differs = [&](double a, double b) { return std::isfinite(a) && !(std::abs(a - b) <= allowed); };
+        if (differs(lower, from) || differs(upper, to))
+            throw bad_input(file + ": box goes from " + to_text(lower) + " to " + to_text(upper) + " along " + axis +
+                            ", the cell from " + to_text(from) + " to " + to_text(to) +
+                            ": box holds the bounds of the cell, or leave cell and origin out");
+    }
+}
+
+}  // namespace
+
+FileDomain stated_domain(const std::string& file, const std::vector<double>& box, const std::array<bool, 3>& periodic,
                          const std::vector<double>& cell, const std::vector<double>& origin,
                          const std::vector<double>& walls) {
     const std::size_t size = box.size() / 2;  // of vectors
@@ -204,6 +238,7 @@ FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 
     FileDomain domain;
     domain.periodic_from = DomainSource::stated;
     if (box.size() != 4 && box.size() != 6) return domain;
+    check_stated(file, box, cell, origin);
     if (cell.size() == size * size && origin.size() == size) {
         domain.cell = votess::TriclinicBox{vector(origin, 0), vector(cell, 0), vector(cell, size),
                                            size == 3 ? vector(cell, 6) : std::array<double, 3>{}, periodic};

@@ -102,10 +102,10 @@ void refuse_large_integers(std::span<const InputColumn> columns, const std::stri
 [[nodiscard]] std::span<const double> one_each(const InputColumn& column);
 
 // Returns the domain in the arrays of .npz and .h5: box 6, periodic 3, cell 9 and origin 3 or empty, walls 4 each. In
-// the plane box 4, cell 4, origin 2, walls 3 each.
-[[nodiscard]] FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
-                                       const std::vector<double>& cell, const std::vector<double>& origin,
-                                       const std::vector<double>& walls);
+// the plane box 4, cell 4, origin 2, walls 3 each. file: for messages. Throws Failure if they contradict each other.
+[[nodiscard]] FileDomain stated_domain(const std::string& file, const std::vector<double>& box,
+                                       const std::array<bool, 3>& periodic, const std::vector<double>& cell,
+                                       const std::vector<double>& origin, const std::vector<double>& walls);
 
 // States a cell. One whose edges are all 0 states the periodic axes alone, as ASE writes atoms without a cell.
 void state_cell(FileDomain& domain, const votess::TriclinicBox& cell);

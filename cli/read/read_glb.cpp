@@ -184,18 +184,27 @@ private:
             pending.pop_back();
             if (seen[index]) throw error("node " + std::to_string(index) + " has two parents");
             seen[index] = true;
-            const Placement place = above.of(placement(nodes_[index]));
-            if (nodes_[index].find("mesh")) add_mesh(nodes_[index], place);
-            for (const std::uint64_t child : children(nodes_[index], "children")) pending.push_back({child, place});
+            const bool has_mesh = nodes_[index].find("mesh").has_value();
+            const std::vector<std::uint64_t> below = children(nodes_[index], "children");
+            if (!has_mesh && below.empty()) continue;  // a camera or a light
+            const Placement place = above.of(placement(index));
+            if (has_mesh) add_mesh(nodes_[index], place);
+            for (const std::uint64_t child : below) pending.push_back({child, place});
         }
     }
 
-    [[nodiscard]] Placement placement(const Json& node) const {
+    [[nodiscard]] Placement placement(std::size_t index) const {
+        const Json& node = nodes_[index];
+        const auto forbidden = [&](const std::string& what) {
+            return error("node " + std::to_string(index) + " has " + what + ", which glTF forbids: export it again");
+        };
         Placement result;
         if (const auto columns = numbers<16>(node, "matrix")) {
+            for (const char* const other : {"translation", "rotation", "scale"})
+                if (node.find(other)) throw forbidden("both \"matrix\" and " + in_quotes(other));
             for (std::size_t k = 0; k < 4; ++k)
                 if ((*columns)[4 * k + 3] != (k < 3 ? 0 : 1))
-                    throw error("\"matrix\" of a node has another last row than 0, 0, 0, 1");
+                    throw forbidden("a \"matrix\" with another last row than 0, 0, 0, 1");
             for (std::size_t i = 0; i < 3; ++i)
                 for (std::size_t k = 0; k < 4; ++k) result.rows[i][k] = (*columns)[4 * k + i];
             return result;

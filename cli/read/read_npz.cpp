@@ -156,13 +156,7 @@ private:
                 throw bad_input(name_ + ": periodic holds " + to_text(flags[k]) + ", and not 0 or 1 alone");
             periodic[k] = flags[k] == 1;
         }
-        for (std::size_t k = 0; k < size; ++k)
-            if (!(box[k] < box[size + k]))
-                throw bad_input(name_ + ": box goes from " + to_text(box[k]) + " to " + to_text(box[size + k]) +
-                                " along " + std::string(1, static_cast<char>('x' + k)) +
-                                ": the first row must hold its lower corner");
-        if (!cell.empty() && origin.empty()) throw bad_input(name_ + ": there is a cell, and no array \"origin\"");
-        input.domain = stated_domain(box, periodic, cell, origin, numbers("walls", 0, size + 1));
+        input.domain = stated_domain(name_, box, periodic, cell, origin, numbers("walls", 0, size + 1));
         if (!periodic_stated) input.domain.periodic_from = DomainSource::by_default;
     }
 

@@ -269,11 +269,17 @@ private:
 
     void read_text_rows(const Element& element, const std::vector<std::size_t>& axes, std::optional<std::size_t> id,
                         const ColumnPlaces& wanted, Input& input) {
-        const auto is_list = [](const Property& property) { return property.count_type.has_value(); };
-        if (std::any_of(element.properties.begin(), element.properties.end(), is_list)) {
-            throw bad_input(lines_.name() + ": lists in the element vertex are not supported in text");
-        }
+        const bool lists =
+            std::ranges::any_of(element.properties, [](const Property& p) { return p.count_type.has_value(); });
+        Words first;  // of each property
         each_line(element, [&] {
+            if (lists) {
+                each_field(element.properties, [&](std::size_t k, std::size_t at, std::size_t) {
+                    if (k == 0) first.clear();
+                    first.push_back(at < words_.size() ? words_[at] : std::string_view());
+                });
+                words_ = first;
+            }
             if (words_.size() != element.properties.size()) {
                 throw lines_.error("this row has " + columns_text(words_.size()) + ", " +
                                    std::to_string(element.properties.size()) + " are announced");
@@ -320,6 +326,16 @@ private:
     // Reads one list of the row in words_.
     void read_list_of_row(const std::vector<Property>& properties, std::size_t list,
                           std::vector<std::int64_t>& numbers) const {
+        each_field(properties, [&](std::size_t k, std::size_t at, std::size_t size) {
+            if (k != list) return;
+            numbers.clear();
+            for (std::size_t i = at; i < at + size; ++i)
+                numbers.push_back(lines_.whole(words_[i], "a vertex of a face"));
+        });
+    }
+
+    // Calls use(property, first, size) for each property of the row in words_, with its place among them.
+    void each_field(const std::vector<Property>& properties, const auto& use) const {
         std::size_t at = 0;
         for (std::size_t k = 0; k < properties.size(); ++k) {
             std::size_t size = 1;
@@ -330,11 +346,7 @@ private:
                 size = static_cast<std::size_t>(count);
             }
             if (size > words_.size() - at) throw lines_.error("the row ends within " + in_quotes(properties[k].name));
-            if (k == list) {
-                numbers.clear();
-                for (std::size_t i = at; i < at + size; ++i)
-                    numbers.push_back(lines_.whole(words_[i], "a vertex of a face"));
-            }
+            use(k, at, size);
             at += size;
         }
         if (at != words_.size()) throw lines_.error("the row has more numbers than its properties");

@@ -111,7 +111,8 @@ private:
     Words words_;
 };
 
-// Any white space separates words, so that a facet may stand on one line or on seven. Only a name ends its line.
+// Any white space separates words, so that a facet may stand on one line or on seven. A name ends with its line, or
+// before the next `facet normal`.
 class TextStl {
 public:
     TextStl(std::string_view text, const std::string& name) : lines_(text, name) {}
@@ -123,7 +124,7 @@ public:
             if (word == "solid" || word == "endsolid") {
                 if (open == (word == "solid")) throw lines_.error("\"" + word + "\" at a wrong place");
                 open = !open;
-                next_ = words_.size();
+                skip_name(open);
                 continue;
             }
             if (!open) throw lines_.error("expected: solid");
@@ -142,6 +143,16 @@ private:
             split_words(line, words_);
         }
         return true;
+    }
+    // Goes to what follows a name on its line. Behind `endsolid` that is another solid with facets.
+    void skip_name(bool of_solid) {
+        const auto word = [&](std::size_t k) { return k < words_.size() ? lower_case(words_[k]) : std::string(); };
+        std::size_t facet = next_;
+        while (facet < words_.size() && !(word(facet) == "facet" && word(facet + 1) == "normal")) ++facet;
+        if (!of_solid && facet < words_.size())
+            while (next_ < facet && word(next_) != "solid") ++next_;
+        else
+            next_ = facet;
     }
     std::string_view take() {
         if (!find_word()) throw bad_input(lines_.name() + ": the file ends before \"endsolid\"");
@@ -271,6 +282,12 @@ Surface parse_stl(std::string_view bytes, const std::string& name) {
     const auto word = begin.find_first_not_of(std::string(blanks) + "\n\xef\xbb\xbf");
     const bool is_text = word != std::string::npos && begin.compare(word, 5, "solid") == 0 &&
                          begin.find('\0') == std::string::npos && !has_binary_size(bytes);
+    std::string lines;
+    if (is_text && bytes.find('\n') == std::string_view::npos) {  // lines end as on an old Mac, or there is one
+        lines = bytes;
+        std::ranges::replace(lines, '\r', '\n');
+        bytes = lines;
+    }
     Surface surface{is_text ? TextStl(bytes, name).corners() : binary_corners(bytes, name), {}, true, 0};
     constexpr auto max = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
     if (surface.vertices.size() / 3 > max)

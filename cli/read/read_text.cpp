@@ -69,6 +69,14 @@ public:
         append_by_threads(*this, input, std::numeric_limits<std::size_t>::max(), request_.threads);
         more_ = more;
         append_rows(input);
+        if (!more && !places_ && !names_.empty()) {  // a table of no rows has columns too
+            const Words zeros(names_.size(), "0");
+            Row row;
+            row.count = zeros.size();
+            std::copy_n(zeros.begin(), std::min(row.count, kept_fields), row.fields.begin());
+            find_places(row);
+            begin(input);
+        }
         return text.size() - lines_.rest().size();
     }
     void append_rows(Input& input) { append_rows(input, false); }

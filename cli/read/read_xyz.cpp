@@ -17,7 +17,8 @@
 namespace clvotess {
 namespace {
 
-// Returns the value of `key=`, without quotes or brackets around it. The case of the key does not matter.
+// Returns the value of `key=`, without quotes or brackets around it. The case of the key does not matter. Blanks
+// replace the commas of an array in square brackets; those within stay.
 std::optional<std::string> value_of(std::string_view comment, std::string_view key) {
     const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     for (std::size_t at = 0; at < comment.size();) {
@@ -35,13 +36,21 @@ std::optional<std::string> value_of(std::string_view comment, std::string_view k
         std::size_t end = at;
         if (bracket != std::string_view::npos) {
             const bool quoted = opening[bracket] == closing[bracket];
-            for (end = ++at; end < comment.size() && comment[end] != closing[bracket]; ++end)
+            std::size_t inner = 0;  // brackets
+            for (end = ++at; end < comment.size() && (comment[end] != closing[bracket] || inner > 0); ++end) {
                 if (quoted && comment[end] == '\\') ++end;  // ASE writes \" for a quote in a text
+                if (opening[bracket] == '[' && comment[end] == '[') ++inner;
+                if (opening[bracket] == '[' && comment[end] == ']') --inner;
+            }
             end = std::min(end, comment.size());
         } else {
             while (end < comment.size() && !blank(comment[end])) ++end;
         }
-        if (found) return std::string(comment.substr(at, end - at));
+        if (found) {
+            std::string value(comment.substr(at, end - at));
+            if (bracket == opening.find('[')) std::ranges::replace(value, ',', ' ');
+            return value;
+        }
         at = end + (bracket == std::string_view::npos ? 0 : 1);
     }
     return std::nullopt;
@@ -160,6 +169,21 @@ private:
         return numbers;
     }
 
+    // Drops the brackets of a matrix, three rows of three.
+    void join_rows(std::string& text) {
+        if (text.find('[') == std::string::npos) return;
+        const std::string whole = text;
+        std::size_t rows = 0;
+        for (std::size_t begin = 0; (begin = text.find('[', begin)) != std::string::npos; ++rows) {
+            const std::size_t end = std::min(text.find(']', begin), text.size() - 1);
+            split_words(std::string_view(text).substr(begin + 1, end - begin - 1), words_);
+            if (text[end] != ']' || words_.size() != 3) rows = 3;
+            text[begin] = text[end] = ' ';
+        }
+        if (rows != 3)
+            throw lines_.error("Lattice must hold three rows of three numbers, not " + in_quotes('[' + whole + ']'));
+    }
+
     // Returns the cell in a comment of i-PI, `CELL(abcABC): a b c bc ac ab ... positions{unit} cell{unit}`, or with
     // nine numbers H or GENH. Throws Failure if cell and positions have different units.
     std::optional<votess::TriclinicBox> cell_of_ipi(std::string_view comment) {
@@ -198,7 +222,8 @@ private:
         FileDomain domain;
         domain.periodic_from = DomainSource::assumed;
         std::optional<votess::TriclinicBox> cell;
-        if (const auto lattice = value_of(comment, "lattice")) {
+        if (auto lattice = value_of(comment, "lattice")) {
+            join_rows(*lattice);
             const auto n = numbers_of("Lattice", *lattice, 9);
             cell = votess::TriclinicBox{.a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
             const auto origin = value_of(comment, "origin");

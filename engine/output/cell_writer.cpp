@@ -11,6 +11,7 @@
 #include "core/vector3.hpp"
 #include "index/seed_images.hpp"
 #include "input/settled.hpp"
+#include "polytope/vast_cell.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -185,6 +186,8 @@ bool CellWriter::write(std::size_t seed, const KeptCell& cell, bool with_row) {
     const auto ids = cell.ids();
     const std::size_t count = ids.size(), corners = cell.corners().size();
     kept_planes_.begin(seed, cell);
+    wall_faces_ = 0;
+    while (wall_faces_ < count && ids[wall_faces_] < 0) ++wall_faces_;  // they come first
     if (measured_) {
         kept_planes_.shape(shape_);
         if (!measure_by_kernel(shape_)) return false;
@@ -198,8 +201,6 @@ bool CellWriter::write(std::size_t seed, const KeptCell& cell, bool with_row) {
         names_.resize(max_ranked);
         ranks_.resize(max_ranked);
     }
-    wall_faces_ = 0;
-    while (wall_faces_ < count && ids[wall_faces_] < 0) ++wall_faces_;  // they come first
     std::iota(ranks_.begin(), ranks_.begin() + static_cast<std::ptrdiff_t>(count), 0u);
     for (std::size_t f = 0; f < count && with_row; ++f)
         names_[f] = ids[f] < 0 ? ids[f] : seeds_.input[static_cast<std::size_t>(ids[f])];
@@ -231,7 +232,14 @@ void CellWriter::measure(const Cell& cell) {
 
 bool CellWriter::measure_by_kernel(CellShape& shape) {
     measures_.exponent = 0;
-    return kernels_->measure(shape, measures_);
+    if (!kernels_->measure(shape, measures_)) return false;
+    if (!want_.areas) return true;
+    const auto is_wall = [&](std::size_t f) { return f < wall_faces_; };
+    const auto distance2 = [&](std::size_t f) {
+        const auto& [x, y, z] = shape.plane[f].n;  // half of the way
+        return 4 * (x * x + y * y + z * z);
+    };
+    return !vast_beyond(std::span(measures_.areas).first(static_cast<std::size_t>(shape.planes)), is_wall, distance2);
 }
 
 void CellWriter::write_none(std::size_t output, CellStatus status) {

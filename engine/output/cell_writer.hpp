@@ -132,6 +132,7 @@ private:
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
     [[nodiscard]] exact::Point place() const;
     void measure(const Cell& cell);
+    // Returns false where digits are missing; see vast_beyond() for those of areas.
     [[nodiscard]] bool measure_by_kernel(CellShape& shape);
     void write_measures();
     // Returns the unit of measures_.

@@ -1,5 +1,6 @@
 // Volume, centroid and areas of a cell, as a sum of pyramids from the seed, with a running error bound. Needles and
-// slabs, where vertices cancel, are computed again from exactly solved vertices, in double, quad, then WideFloat.
+// slabs, where vertices cancel, are computed again from exactly solved vertices, in double, quad, then WideFloat. So
+// are vast cells (vast_cell.hpp), until each face has its digits.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "polytope/cell.hpp"
 #include "polytope/cell_polygons.hpp"
 #include "polytope/cell_shape.hpp"
+#include "polytope/vast_cell.hpp"
 #include "polytope/vectors.hpp"
 
 namespace votess::cpu {
@@ -169,6 +171,32 @@ struct Triangle {
     }
 };
 
+// Whether the areas of a vast cell have their digits, each by itself; of other cells their surface has. Faces that
+// reach a distant wall count with the surface. errors: by face. per_unit: of the unit of areas.
+bool are_exact(const Cell& cell, const CellFaces& faces, const std::vector<double>& areas,
+               const std::vector<double>& errors, double per_unit) {
+    const auto plane = [&](std::size_t f) -> const CellPlane& { return cell.planes()[faces.planes[f]]; };
+    const auto squared = [&](double distance) { return per_unit * distance * (per_unit * distance); };
+    const auto is_wall = [&](std::size_t f) { return !plane(f).source.is_bisector(); };
+    const std::optional<double> beyond =
+        vast_beyond(areas, is_wall, [&](std::size_t f) { return squared(plane(f).norm); });
+    if (!beyond) return true;
+    const auto corners = [&](std::size_t f) {
+        return std::span(faces.corners).subspan(faces.offsets[f], faces.offsets[f + 1] - faces.offsets[f]);
+    };
+    std::vector<bool> at_end(static_cast<std::size_t>(cell.slots()));
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const CellPlane& p = plane(f);
+        if (!is_wall(f) || !(squared(p.h / (p.unit * p.norm)) > *beyond)) continue;
+        for (const std::int32_t slot : corners(f)) at_end[slot] = true;
+    }
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        if (!(errors[f] <= accepted_error * areas[f]) &&
+            std::ranges::none_of(corners(f), [&](std::int32_t slot) { return at_end[slot]; }))
+            return false;
+    return true;
+}
+
 // corner_of(slot) returns {position, bound on its error}. Returns nothing when the error bound is not met.
 //
 // A polygon's doubled area vector is the sum of v_i x v_i+1. If corners move by d_i it changes by the sum of
@@ -182,6 +210,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
     Sums<Real> sums;
     std::vector<Gradient> gradients(bounded ? static_cast<std::size_t>(cell.slots()) : 0);
     std::vector<Vector<Real>> polygon;
+    std::vector<double> area_errors;
     double error = 0, surface = 0, surface_error = 0, worst_area = 0, farthest = 0;
     if (areas != nullptr) areas->clear();
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -231,6 +260,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
                 area_error += gradient.error * length_bound(area);
             }
             worst_area = std::max(worst_area, area_error);
+            if (areas != nullptr) area_errors.push_back(area_error);
         }
     }
     if constexpr (bounded) {
@@ -240,7 +270,9 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
         }
         const auto volume = static_cast<double>(sums.volume.value());
         if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
-        if (areas != nullptr && !(std::max(worst_area, surface_error) <= accepted_error * surface)) return std::nullopt;
+        if (areas != nullptr && !(std::max(worst_area, surface_error) <= accepted_error * surface &&
+                                  are_exact(cell, faces, *areas, area_errors, per_unit)))
+            return std::nullopt;
     }
     CellGeometry geometry = sums.geometry();
     geometry.farthest_squared = std::ldexp(farthest, -2 * geometry.exponent);

@@ -135,6 +135,8 @@ private:
             }
         error_ = of_extent * extent + of_coordinate * coordinate;
     }
+    // Returns the rings. Walks around the inside turn to it wherever edges meet, so that each one surrounds a connected
+    // part, and a place where it comes twice ends a ring. So rings of a polygon that share corners do not cut it.
     [[nodiscard]] std::vector<Ring> split() const {
         std::vector<Ring> found;
         std::vector<bool> used(outline_.size());
@@ -144,6 +146,7 @@ private:
                 used[next] = true;
                 path.push_back(outline_[next]);
                 const std::int32_t v = path.back().to;
+                next = edge_from(v, path.back().from, used);
                 const auto begin = std::ranges::find(path, v, &OutlineEdge::from);
                 if (begin != path.end()) {
                     Ring ring(begin, path.end());
@@ -151,15 +154,24 @@ private:
                     if (ring.size() > 2) found.push_back(std::move(ring));
                     path.erase(begin, path.end());
                 }
-                next = edge_from(v, used);
             }
         return found;
     }
-    // Returns an edge that is not used yet, or the number of edges.
-    [[nodiscard]] std::size_t edge_from(std::int32_t v, const std::vector<bool>& used) const {
-        auto e = std::ranges::lower_bound(outline_, v, {}, &OutlineEdge::from);
-        while (e != outline_.end() && e->from == v && used[at(e - outline_.begin())]) ++e;
-        return e != outline_.end() && e->from == v ? at(e - outline_.begin()) : outline_.size();
+    // Returns the edge not used yet that turns most to the inside behind the edge u v, or the number of edges.
+    [[nodiscard]] std::size_t edge_from(std::int32_t v, std::int32_t u, const std::vector<bool>& used) const {
+        const int inside = area_ < 0 ? -1 : 1;
+        const auto side = [&](std::int32_t a, std::int32_t b) {
+            return inside * cross_sign(place(v), place(a), place(b), 2);
+        };
+        const auto turns_more = [&](std::int32_t a, std::int32_t b) {  // seen from v
+            const int of_a = side(u, a), of_b = side(u, b);
+            return of_a != of_b ? of_a < of_b : side(a, b) < 0;
+        };
+        std::size_t found = outline_.size();
+        for (auto e = at(std::ranges::lower_bound(outline_, v, {}, &OutlineEdge::from) - outline_.begin());
+             e < outline_.size() && outline_[e].from == v; ++e)
+            if (!used[e] && (found == outline_.size() || turns_more(outline_[e].to, outline_[found].to))) found = e;
+        return found;
     }
     // Sides of a prism are two triangles, which meet within an edge of the mesh.
     static void join_lines(Ring& ring) {
@@ -254,7 +266,7 @@ private:
         }
         return found;
     }
-    // The boxes of the edges meet. Edges of one ring may share the corner between them, those of two rings any place.
+    // The boxes of the edges meet. Edges of one ring may share the corner between them, those of two rings corners.
     [[nodiscard]] bool meet(std::size_t e, std::size_t f) const {
         const OutlineEdge &a = outline_[e], &b = outline_[f];
         const auto side = [&](const OutlineEdge& edge, std::int32_t v) {
@@ -263,11 +275,17 @@ private:
         const auto overlap = [&](std::size_t k) {
             return std::max(span(a, k).first, span(b, k).first) < std::min(span(a, k).second, span(b, k).second);
         };
-        const bool apart = links_[e].ring == links_[f].ring && links_[e].next != f && links_[f].next != e;
+        const bool one_ring = links_[e].ring == links_[f].ring;
+        const bool apart = one_ring && links_[e].next != f && links_[f].next != e;
         const std::array<int, 4> sides{side(a, b.from), side(a, b.to), side(b, a.from), side(b, a.to)};
         if (sides == std::array<int, 4>{}) return apart || overlap(0) || overlap(1);
         const int first = sides[0] * sides[1], second = sides[2] * sides[3];
-        return apart ? first <= 0 && second <= 0 : first < 0 && second < 0;
+        if (apart) return first <= 0 && second <= 0;
+        const auto within = [&](int sign, std::int32_t v, const OutlineEdge& edge) {
+            return sign == 0 && is_beside(v, edge);
+        };
+        return (first < 0 && second < 0) || (!one_ring && (within(sides[0], b.from, a) || within(sides[1], b.to, a) ||
+                                                           within(sides[2], a.from, b) || within(sides[3], a.to, b)));
     }
     [[nodiscard]] std::pair<double, double> span(const OutlineEdge& edge, std::size_t k) const {
         return std::minmax({place(edge.from)[k], place(edge.to)[k]});

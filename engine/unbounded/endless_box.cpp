@@ -180,9 +180,10 @@ Box end_near(Region& region, const Points& points, const Weights& weights) {
     const Edges edges(region);
     const Spread spread(points, edges);
     const double longest = std::max(spread.longest, edges.is_periodic() ? edges.longest_sum() : 0);
-    // Places along edges are rounded.
-    const double margin =
-        (longest > 0 ? near_margin * longest : spread.length(weights)) + (region.cell ? 0x1p-40 * spread.largest : 0);
+    // Places along edges are rounded, and ends are.
+    const double rounding = (region.cell ? 0x1p-40 : 0x1p-48) * spread.largest;
+    const double beyond = longest > 0 ? near_margin * longest : spread.length(weights);
+    const double margin = region.cell ? beyond + rounding : std::max(beyond, rounding);
     Box ends = edges.ends_or(all_space);
     for (std::size_t j = 0; j < 3; ++j) {
         const double lower = ends.lower[j], upper = ends.upper[j];

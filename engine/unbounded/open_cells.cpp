@@ -271,20 +271,27 @@ public:
                 for (const std::int32_t v : vertices_of(far, k)) of_other[at(v)] = true;
         const auto same_name = [](std::int32_t id) { return id; };
         const auto far_name = [&](std::int32_t id) { return id < 0 || names.empty() ? id : names[at(id)]; };
-        for (std::size_t k = 0; k < rows.size(); ++k) {
-            if (!taken[at(rows[k])]) continue;
+        const auto match = [&](std::size_t k) {
             const std::vector<Corner> here = corners(near, at(rows[k]), same_name), there = corners(far, k, far_name);
             for (std::size_t c = 0, n = 0; c < there.size(); ++c) {
                 while (n < here.size() && here[n].faces < there[c].faces) ++n;
                 std::int32_t& number = far_number_[at(there[c].vertex)];
                 if (n < here.size() && here[n].faces == there[c].faces) number = here[n].vertex;
             }
-        }
-        std::int32_t count = static_cast<std::int32_t>(near_number_.size());
+        };
         std::vector<bool> of_taken(far_number_.size());
         for (std::size_t k = 0; k < rows.size(); ++k)
-            if (taken[at(rows[k])])
+            if (taken[at(rows[k])]) {
+                match(k);
                 for (const std::int32_t v : vertices_of(far, k)) of_taken[at(v)] = true;
+            }
+        // A vertex on an end of the near box lacks faces in taken cells there, and has all of them in others.
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            if (!taken[at(rows[k])] && std::ranges::any_of(vertices_of(far, k), [&](std::int32_t v) {
+                    return of_taken[at(v)] && far_number_[at(v)] < 0;
+                }))
+                match(k);
+        std::int32_t count = static_cast<std::int32_t>(near_number_.size());
         for (std::size_t v = 0; v < far_number_.size(); ++v) {
             if (!of_taken[v] || far_number_[v] >= 0) continue;
             if (of_other[v]) bug("a vertex of cells that reach infinity is in no other cell");

@@ -9,6 +9,7 @@
 
 #include "exact/insphere.hpp"
 #include "input/settle.hpp"
+#include "oracle/exact_polygons.hpp"
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -81,6 +82,39 @@ std::string check_cells(const votess::Tessellation& t, const Coordinates& points
         if (std::isnan(t.centroids()[3 * i]) != (open || row.empty())) return text("cell ", i, " has a wrong centroid");
         if (std::isinf(t.surface_areas()[i]) != open || std::isinf(t.security_radii()[i]) != open)
             return text("cell ", i, " has a wrong surface or radius");
+    }
+    return "";
+}
+
+// Areas of faces against rational arithmetic in a box that ends far away. near: cells that reach no farther may round
+// areas as their surface; others do not.
+std::string check_areas(const votess::Tessellation& t, const Coordinates& points, Options options, double near) {
+    const votess::EndlessSides sides(votess::region_of(options));
+    const votess::Box far = far_away(points);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (std::isinf(options.box->lower[k])) options.box->lower[k] = far.lower[k];
+        if (std::isinf(options.box->upper[k])) options.box->upper[k] = far.upper[k];
+    }
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const auto polygons = test::exact_polygons(points, options, i);
+        const auto at_end = [&](const test::RationalVector& x) {
+            return std::ranges::any_of(polygons, [&](const test::ExactPolygon& p) {
+                return sides.has(p.face.id) && test::dot(p.n, x) == p.h;
+            });
+        };
+        std::size_t entry = static_cast<std::size_t>(t.indptr()[i]);
+        for (const test::ExactPolygon& p : polygons) {
+            if (sides.has(p.face.id)) continue;
+            while (sides.has(t.indices()[entry])) ++entry;
+            REQUIRE(t.indices()[entry] == p.face.id);
+            double square = 0;
+            for (const mpq_class& x : test::doubled_area(p.corners)) square += x.get_d() * x.get_d();
+            const double expected = std::ranges::any_of(p.corners, at_end) ? inf : std::sqrt(square) / 2;
+            const double of_surface = t.security_radii()[i] <= 2 * near ? t.surface_areas()[i] : 0;
+            const double area = t.face_areas()[entry++];
+            if (area != expected && !(std::abs(area - expected) <= 1e-10 * (expected + of_surface)))
+                return text("the face of cell ", i, " with ", p.face.id, " has area ", area, ", exact is ", expected);
+        }
     }
     return "";
 }
@@ -270,6 +304,67 @@ TEST_SUITE("cases") {
             CHECK(votess::verify(t, set.points).failure == "");
             CHECK(t.box().upper == box.upper);
         }
+    }
+
+    TEST_CASE("unbounded: faces have the same area from both cells, beside vertices at any distance") {
+        test::Random random(11);
+        std::size_t far = 0;
+        for (std::size_t trial = 0; trial < test::by_size(60, 12); ++trial) {
+            CAPTURE(trial);
+            const std::size_t n = trial % 4 == 3 ? 34 : 6 + trial % 12;
+            const double step = std::ldexp(1, -static_cast<int>(10 + 20 * (trial % 3)));
+            Coordinates points;
+            std::vector<double> weights;
+            for (std::size_t i = 0; i < n; ++i) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    points.push_back(0.5 + step * static_cast<double>(random.integer(-99, 99)));
+                weights.push_back(step * (trial % 2 == 0 ? random.uniform(0, 1) : random.uniform(0, 99 * step)));
+            }
+            Options options = endless_options(trial % 5 == 4 ? votess::Box{{0, -inf, -inf}, {inf, inf, inf}} : no_ends);
+            options.weights = weights;
+            options.want.areas = true;
+            const auto t = votess::tessellate(points, options);
+            CHECK(check_areas(t, points, options, 99 * 16 * step) == "");
+            CHECK(votess::verify(t, points).failure == "");
+            far += static_cast<std::size_t>(
+                std::ranges::count_if(t.volumes(), [&](double v) { return v > std::pow(1e6 * step, 3) && v < inf; }));
+        }
+        CHECK(far > 0);
+    }
+
+    TEST_CASE("unbounded: seeds apart by less than the rounding of their other coordinate") {
+        const double x = 0.005, y = 5e-9, apart = 0x1p-70;
+        for (const std::size_t n : {2, 40}) {
+            CAPTURE(n);
+            Coordinates points;
+            for (std::size_t i = 0; i < n; ++i) points.insert(points.end(), {x, y + static_cast<double>(i) * apart});
+            Options options = endless_options(votess::Box{{-inf, -inf, 0}, {inf, inf, 0}});
+            options.planar = true;
+            const auto t = votess::tessellate(points, options);
+            REQUIRE(points[3] > points[1]);
+            CHECK(votess::verify(t, points).failure == "");
+            for (std::size_t i = 0; i < n; ++i) CHECK(t.neighbors(i).size() == (i == 0 || i + 1 == n ? 2 : 3));
+        }
+    }
+
+    TEST_CASE("unbounded: a vertex on an end of the near box") {
+        // A vertex lies six times the width of these seeds away from them.
+        const std::vector<int> places{8, 3,  2,  -8, 5,  -1, 0,  -3, -1, 4, -2, 2,  4,  -4, -5, 7, -6, 1, -1, -5,
+                                      0, -1, -4, 3,  -5, -4, 5,  -2, 0,  2, -7, -8, -3, -5, 8,  8, -5, 0, 2,  -5,
+                                      1, 1,  3,  0,  2,  7,  -1, -2, -8, 8, 6,  0,  -1, 1,  6,  3, -1, 5, -3, -6};
+        const Coordinates points(places.begin(), places.end());
+        Options options;
+        options.planar = true;
+        options.box = votess::Box{{-inf, -inf, 0}, {inf, inf, 0}};
+        options.want.neighbors = options.want.counts = options.want.faces = options.want.areas = true;
+        const auto t = votess::tessellate(points, options);
+        CHECK(votess::verify(t, points).failure == "");
+        std::vector<std::array<double, 2>> vertices;
+        for (std::size_t v = 0; v < t.vertices().size(); v += 2)
+            vertices.push_back({t.vertices()[v], t.vertices()[v + 1]});
+        CHECK(std::ranges::count(vertices, std::array{104.0, -56.5}) == 1);
+        std::ranges::sort(vertices);
+        CHECK(std::ranges::adjacent_find(vertices) == vertices.end());
     }
 
     TEST_CASE("unbounded: periodic along some axes, few seeds") {

@@ -1,6 +1,7 @@
 """Frames of .xyz, extended XYZ, POSCAR, text packed by gzip, and domains that files state."""
 
 import gzip
+import json
 import re
 from pathlib import Path
 
@@ -40,6 +41,16 @@ class FrameFiles(ReaderTest):
             name = file(f"energy=-3.5 {lattice}{pbc} note=\"a = b\"")
             self.assertEqual(self.rows(name, "--list-walls"), expected)
             self.assertEqual(self.json(name)["domain"]["from"], "stated")
+        # Arrays as the package extxyz writes them. The rows of a matrix are edges.
+        matrix = json.dumps([cell[:3], cell[3:6], cell[6:]])
+        for text in (f"Lattice={matrix}", f"Lattice={matrix.replace(' ', '')}", f"Lattice={json.dumps(cell)}", f"Lattice=[ {matrix[1:-1]} ]"):
+            for comment in (f"{text} pbc=[T, T, F] Origin=[-1.0, -2, 0]", f"Origin=[-1,-2,0] note=[[1, 2], [3, 4]] pbc=[T,T,F] {text} a=1"):
+                state = self.json(file(comment))["domain"]
+                self.assertEqual([state[name] for name in ("periodic", "origin", "a", "b", "c")],
+                                 [[True, True, False], [-1, -2, 0], cell[:3], cell[3:6], cell[6:]])
+        for rows in ("[[4, 0, 0, 0], [4, 0], [0, 0, 4]]", "[[4, 0, 0], [0, 4, 0]]", "[[4, 0], [0, 4]]",
+                     "[[4, 0, 0], [0, 4, 0], [0, 0, 4], [1, 1, 1]]"):
+            self.refuse(file(f"Lattice={rows}"), says=["a.xyz:2:", "Lattice must hold three rows of three numbers"])
         # ASE writes texts with quotes so. They hold no keys.
         name = file(f"""note="5\\" film, old pbc='F F F' " {lattice} pbc="T T F" run='no \\'pbc=F' """)
         self.assertEqual(self.json(name)["domain"]["periodic"], [True, True, False])

@@ -249,6 +249,28 @@ class Hdf5Files(Hdf5Test):
             file.create_dataset("points", data=points, chunks=(8, 3), compression="gzip", fletcher32=True)
         self.damage_program("p.h5")
 
+    def test_own_domains_that_contradict_themselves(self):
+        """The attributes of an own file are refused as arrays of .npz are; as written they give the domain, endless or skewed."""
+        self.put("a.npy", random_points(20))
+        for cell in ("2,0,0,-0.5,3,0,0.1,0.2,4", "1,0,0,0.5,0.9,0,0,0,0"):
+            self.run_cli("a.npy", "--cell", cell, "--periodic", "xy", "--want", "vertices", "-o", "own.h5", "-o", "own.npz")
+            for name in ("own.h5", "own.npz"):
+                domain = self.json(name, "--dataset", "vertices", "--outside", "drop")["domain"]
+                self.assertEqual([*domain["a"], *domain["b"], *domain["c"]], [float(x) for x in cell.split(",")])
+        self.run_cli("a.npy", "--cell", "2,0,0,-0.5,3,0,0.1,0.2,4", "--periodic", "--want", "centroids", "-o", "own.h5")
+        box, cell = np.array([(-0.5, 0, 0), (2.1, 3.2, 4)]), [(2, 0, 0), (-0.5, 3, 0), (0.1, 0.2, 4)]
+        for attributes, says in [({"origin": None}, "there is a cell, and no origin"), ({"cell": None}, "there is an origin, and no cell"),
+                                 ({"box": box + [(0, 0, 0), (1, 0, 0)]}, "box goes from -0.5 to 3.1 along x, the cell from -0.5 to 2.1"),
+                                 ({"cell": np.multiply(cell, 2)}, "along x, the cell from -1 to 4.2"),
+                                 ({"box": box * [1, 1, 0], "cell": None, "origin": None}, "box is flat along z, at 0")]:
+            shutil.copy(self.folder / "own.h5", self.folder / "b.h5")
+            with h5py.File(self.folder / "b.h5", "a") as file:
+                for name, value in attributes.items():
+                    del file.attrs[name]
+                    if value is not None:
+                        file.attrs[name] = value
+            self.refuse("b.h5", "--dataset", "centroids", says=["b.h5: ", says])
+
     def test_output_equals_npz(self):
         words = "neighbors,volumes,centroids,areas,normals,surfaces,radii,counts,vertices,faces"
         duplicates = self.put("d.txt", "0 0 0\n1 0 0\n0 0 0\n0 1 0.5\n")

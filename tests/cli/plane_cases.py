@@ -144,10 +144,10 @@ class Plane(CliTest):
         # A file of clvotess states its domain.
         np.savez(self.folder / "again.npz", points=points, **arrays)
         self.assertRegex(self.run_cli("again.npz", "--outside", "drop").stdout, "(?m)^domain +cell 1,0 0.25,1 at 0,0, periodic a; stated$")
-        whole = {**arrays, "cell": np.array([(1, 0), (0, 1)]), "origin": np.array([0, 0]), "periodic": np.array([1.0, 0.0])}
+        whole = {**arrays, "cell": np.array([(1, 0), (0, 1)]), "origin": np.array([0, 0]), "box": np.array([(0, 0), (1, 1)]), "periodic": np.array([1.0, 0.0])}
         np.savez(self.folder / "whole.npz", points=points, **whole)
         self.assertRegex(self.run_cli("whole.npz", "--outside", "drop").stdout, "(?m)^domain +cell 1,0 0,1 at 0,0, periodic a; stated$")
-        for name, value, says in [("cell", np.eye(3), "cell does not hold numbers with shape (2, 2)"), ("origin", None, "no array \"origin\""),
+        for name, value, says in [("cell", np.eye(3), "cell does not hold numbers with shape (2, 2)"), ("origin", None, "there is a cell, and no origin"),
                                   ("box", np.ones(4), "box does not hold"), ("periodic", np.array(True), "periodic does not hold"),
                                   ("walls", np.array(["a"]), "walls does not hold"), ("ids", np.full(200, 0.5), "ids are not whole numbers")]:
             damaged = {k: v for k, v in {**arrays, name: value}.items() if v is not None}

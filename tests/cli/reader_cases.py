@@ -151,9 +151,19 @@ class ArrayFiles(ReaderTest):
                              ({"box": box, "periodic": np.array([0, 1, np.nan])}, "periodic holds nan"),
                              ({"box": box[::-1]}, "box goes from 2 to 0 along x"),
                              ({"box": box * [1, 1, np.nan]}, "box goes from nan to nan along z"),
+                             ({"box": box * [1, 1, 0]}, "box is flat along z, at 0: leave z out of points and box, and add --2d"),
+                             ({"box": box * [1, 0, 1], "periodic": np.zeros(3)}, "box is flat along y, at 0: give it a length"),
+                             ({"box": box, "origin": np.zeros(3)}, "there is an origin, and no cell: a cell needs both"),
+                             ({"box": box, "cell": cell["cell"]}, "there is a cell, and no origin: a cell needs both"),
+                             ({"box": box, **cell, "origin": np.ones(3)}, "box goes from 0 to 2 along x, the cell from 1 to 3"),
+                             ({"box": box, **cell, "cell": np.diag([2, 3, 5.0])}, "box goes from 0 to 4 along z, the cell from 0 to 5"),
                              ({"box": np.ones(3), "periodic": np.ones(3)}, "box does not hold numbers with shape (2, 3)")]:
             np.savez(self.folder / "a.npz", points=points, **arrays)
             self.refuse("a.npz", says=["a.npz: " + says])
+        skewed = np.array([(2, 0, 0), (-0.5, 3, 0), (0.1, 0.2, 4)])
+        for kind in ("f4", "f8"):
+            np.savez(self.folder / "a.npz", points=points, periodic=np.ones(3), box=[(-0.5, 0, 0), (2.1, 3.2, 4)], cell=skewed.astype(kind), origin=np.zeros(3))
+            self.assertAlmostEqual(self.json("a.npz")["box_volume"], 24, delta=1e-5)
         np.savez(self.folder / "a.npz", places=points)
         self.assertIn("the points are its array places\n", self.run_cli("a.npz").stdout)
 
@@ -236,6 +246,26 @@ class PlyFiles(ReaderTest):
                 self.assert_points("a.ply", points)
         self.put("a.ply", self.ply("ascii", plain, rows).replace(b"\n", b"\r\n"))
         self.assert_points("a.ply", points)
+
+    def test_lists_of_vertices(self):
+        """They are skipped in text and binary, as MeshLab and plyfile do, wherever they stand and however long they are."""
+        points = random_points(50)
+        properties = ["list uchar float w", "double x", "double y", "list int short q", "double z", "float r", "list uchar int e"]
+        rows = [(list(range(i % 3)), p[0], p[1], [7] * (i % 4), p[2], i / 128, [1] * (i % 2)) for i, p in enumerate(points.tolist())]
+        head = "ply\nformat {} 1.0\nelement vertex 50\n" + "".join(f"property {p}\n" for p in properties) + "end_header\n"
+        text = "".join(" ".join(str(x) for v in row for x in ([len(v), *v] if isinstance(v, list) else [v])) + "\n" for row in rows)
+        binary = b"".join(struct.pack(f"<B{len(w)}fddi{len(q)}hdfB{len(e)}i", len(w), *w, x, y, len(q), *q, z, r, len(e), *e)
+                          for w, x, y, q, z, r, e in rows)
+        for content in (head.format("ascii").encode() + text.encode(), head.format("binary_little_endian").encode() + binary):
+            self.put("a.ply", content)
+            self.assert_points("a.ply", points)
+            self.assert_column("a.ply", np.arange(50) / 128, "r")
+            self.run_cli("a.ply", "--copy", "all", "-o", "out.npz")
+            with np.load(self.folder / "out.npz") as arrays:
+                self.assertTrue({"r"} <= set(arrays.files) and not {"w", "q", "e"} & set(arrays.files))
+            self.refuse("a.ply", "--radii", "w", says="'w' is a list")
+        self.refuse(self.put("a.ply", (head.format("ascii") + text).rsplit(" ", 1)[0]), says="a.ply:61: the row ends within")
+        self.refuse(self.put("a.ply", head.format("ascii") + text[:-1] + " 5\n"), says="a.ply:61: the row has more numbers than")
 
     def test_own_ply(self):
         self.run_cli("--random", 100, "-o", "own.ply", "-o", "own.npz", "--want", "vertices")
@@ -667,6 +697,20 @@ class Columns(ReaderTest):
         np.testing.assert_array_equal(got["column_5"], mass)
         np.testing.assert_array_equal(got["column_6"], kind)
         self.refuse("a.txt", "--copy", "all", "-o", "out.npz", says="header line")
+
+    def test_tables_of_no_rows(self):
+        """Their columns are there, with no values."""
+        for names in ("x,y,z,mass,kind", "id,kind,x,mass,y,z", "x y z mass kind"):
+            self.put("a.csv", names + "\n")
+            for columns in ("all", "mass,kind", "kind"):
+                got, _ = self.carried("a.csv", "--copy", columns)
+                self.assertEqual({name: len(values) for name, values in got.items()},
+                                 {name: 0 for name in ("mass", "kind") if columns in ("all", "mass,kind", name)})
+            self.run_cli("a.csv", "--copy", "all", "-o", "out.csv")
+            self.assertEqual(set((self.folder / "out.csv").read_text().strip().split(",")[-2:]), {"mass", "kind"})
+            self.refuse("a.csv", "--copy", "q", "-o", "out.csv", says="'q'")
+            self.run_cli("a.csv", "-o", "out.csv")
+        self.run_cli(self.put("a.csv", ""), "--copy", "all", "-o", "out.csv")  # no names, no columns
 
     def test_rows_by_threads(self):
         """Threads parse and write rows in the order of the file, and name the line of an error."""

@@ -84,6 +84,9 @@ FILES = {"plain.off": OFF, "glued.off": OFF.replace("OFF # a cube\n\n", "OFF"),
          "text.stl": stl_text(), "dos.STL": stl_text().replace("\n", "\r\n"), "binary.stl": stl_binary(),
          "line.stl": stl_text().replace("\n", " ").replace("cube ", "cube\n", 1),
          "words.stl": "solid a b\n" + stl_text()[13:-16].replace(" ", "\n") + "endsolid a b\n",
+         "mac.stl": stl_text().replace("\n", "\r"), "one.stl": stl_text().replace("\n", " "),
+         "both.stl": (stl_text(TRIANGLES[:5]) + stl_text(TRIANGLES[5:])).replace("\n", " ").replace("solid a cube ", "solid a solid facet "),
+         "none.stl": (stl_text([]) + stl_text()).replace("\n", " "), "names.stl": stl_text().replace("solid a cube", "solid my solid facet"),
          "upper.stl": stl_text().upper(), "mark.stl": "\ufeff" + stl_text(), "indented.stl": "\n  " + stl_text(),
          "blank.stl": b"solid".ljust(80) + stl_binary()[80:], "lines.obj": OBJ.replace("f 1/1 ", "f 1/1 \\\n").replace("v 1 0 0", "v 1 \\\n0\\\n 0"),
          "cube.glb": glb_cube(),
@@ -313,6 +316,9 @@ class Mesh(CliTest):
                                  ([{"mesh": 0, "weights": [0]}], {**cube, "weights": [1]})):
                 self.put("b.glb", glb(nodes, [], [up, np.array(TRIANGLES, "B").ravel()], meshes=[first, lines], scene=0, scenes=[{"nodes": [0]}]))
                 self.assertAlmostEqual(self.json("--random", 9, "--mesh", "b.glb")["volume_sum"], 1, places=12)
+        camera = {"camera": 0, "matrix": [*np.eye(4).ravel()[:-2], -1, 0]}  # places nothing
+        self.put("b.glb", glb([{"mesh": 0}, camera], [], [up, np.array(TRIANGLES, "B").ravel()], meshes=[cube], scene=0, scenes=[{"nodes": [0, 1]}]))
+        self.assertAlmostEqual(self.json("--random", 9, "--mesh", "b.glb")["volume_sum"], 1, places=12)
 
     def test_refusals(self):
         self.put("a.off", OFF)
@@ -342,7 +348,10 @@ class Mesh(CliTest):
                 *(("b.glb", glb([{"mesh": 0, **more}], [{"attributes": {"POSITION": 0}}], [np.zeros((3, 3), "f4")]), f"placed by {says}")
                   for says, more in MOVES.items()),
                 ("b.glb", glb([{"mesh": 0, "rotation": [0, 0, 1, 1]}], [], []), "not of length 1"),
-                ("b.glb", glb([{"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5, 0, 0, 0, 1]}], [], []), "another last row"),
+                ("b.glb", glb([{"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5, 0, 0, 0, 1]}], [], []), ["node 0", "another last row", "glTF forbids"]),
+                ("b.glb", glb([{"matrix": [0] * 16, "children": [1]}, {"mesh": 0}], [], [], scene=0, scenes=[{"nodes": [0]}]), ["node 0", "another last row"]),
+                *(("b.glb", glb([{"mesh": 0, "matrix": np.eye(4).ravel().tolist(), **more}], [], []), ["node 0 has both", f"'{next(iter(more))}'", "glTF forbids"])
+                  for more in ({"translation": [5, 0, 0]}, {"rotation": [0, 0, 0, 1]}, {"scale": [1, 1, 1]})),
                 ("b.glb", glb([], [], [], extensionsRequired=["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
                 ("b.off", OFF.replace("4 0 4 6 2  255 0 0\n", "").replace("8 6", "8 5"), ["edge between vertices 0 (0, 0, 0) and 2 (0, 1, 0)", "4 edges", "close the hole"]),
                 ("b.off", OFF.replace("4 0 4 6 2", "4 2 6 4 0"), "reverse one of them"),

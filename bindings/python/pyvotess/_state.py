@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import warnings
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
@@ -96,6 +97,10 @@ def no_attribute(of: object, name: str, wanted: Optional[Tuple[str, ...]] = None
     text = f"{type(of).__name__!r} object has no attribute {name!r}"
     if name in ARRAYS and name not in _WORD_OF:  # a word for arrays with other names
         text += f": the name is {' or '.join(ARRAYS[name])}" + (f"; {put}" if missing else "")
+    elif not name.startswith("_"):
+        names = [known for known in {*dir(type(of)), *vars(of), *_WORD_OF} if not known.startswith("_")]
+        near = difflib.get_close_matches(name, sorted(names), 1)
+        text += f": did you mean {near[0]!r}?" if near else ""
     return AttributeError(text)
 
 

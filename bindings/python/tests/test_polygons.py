@@ -108,6 +108,15 @@ def exact(rows):
     return [tuple(map(Fraction, row)) for row in np.asarray(rows).tolist()]
 
 
+def touches(place, ring):
+    """Returns whether a place lies on a ring."""
+    for p, q in zip(ring, ring[1:] + ring[:1]):
+        on_line = (q[0] - p[0]) * (place[1] - p[1]) == (q[1] - p[1]) * (place[0] - p[0])
+        if on_line and all(min(p[k], q[k]) <= place[k] <= max(p[k], q[k]) for k in range(2)):
+            return True
+    return False
+
+
 class Polygons(unittest.TestCase):
     def check(self, number, points, rings, keywords, period):
         loops = [exact(ring) for ring in rings]
@@ -249,6 +258,41 @@ class Polygons(unittest.TestCase):
                 if len(points) == 1:
                     self.assertEqual([len(pieces), len(pieces.rings(0))], [1, 1 + len(holes)])
 
+    def check_connected(self, pieces):
+        """Asserts in fractions that the rings of a piece touch in no cycle, which would cut its inside in two."""
+        for k in range(len(pieces)):
+            rings = [exact(ring) for ring in pieces.rings(k)]
+            group = list(range(len(rings)))
+            for place in sorted({place for ring in rings for place in ring}):
+                groups = [group[number] for number, ring in enumerate(rings) if touches(place, ring)]
+                self.assertEqual(len(set(groups)), len(groups), (k, [float(x) for x in place]))
+                group = [groups[0] if g in groups else g for g in group]
+
+    def test_rings_that_share_corners_do_not_cut_a_piece(self):
+        """Holes that touch the outline or each other in two places make parts of a cell, each a piece."""
+        square = [(0, 0), (4, 0), (4, 4), (0, 4)]
+        corners = [(0, 0), (4, 0), (4, 2), (4, 4), (0, 4), (0, 2)]
+        wide, upper = [(0, 2), (2, 1), (4, 2), (2, 3)], [(2, 1), (3, 1), (3, 3), (2, 3)]
+        around = [[(1, 1), (3, 1), (2, 0.5)], [(3, 1), (3, 3), (3.5, 2)], [(3, 3), (1, 3), (2, 3.5)], [(1, 3), (1, 1), (0.5, 2)]]
+        for outline, holes, parts in ((square, [wide], 2), (corners, [wide], 2), (square, [around[0], around[1]], 1), (square, around, 2),
+                                      (square, [[(1, 1), (2, 1), (2, 3), (1, 3)], upper], 1), (square, [[(0, 1), (2, 1), (2, 3), (0, 3)][::-1]], 1)):
+            for point in ((1, 0.25), (3.5, 3.75), (2, 2)):
+                with self.subTest(holes=holes, point=point):
+                    t = vt.tessellate([point], mesh={"type": "Polygon", "coordinates": [outline, *holes]})
+                    self.assertEqual(len(t.pieces()), parts)
+                    self.check_simple(t.pieces())
+                    self.check_connected(t.pieces())
+
+    def test_rings_that_rounding_lets_touch_do_not_cut_a_piece(self):
+        """A bisector along sides of a hole, and across the outline, moved by less than their digits."""
+        square, hole = [(0, 0), (6, 0), (6, 6), (0, 6)], [(3, 3), (1, 3), (1, 1), (3, 1)]
+        for h in (0, 2.0**-60, -(2.0**-60), 2.0**-54, -(2.0**-54), 2.0**-50):
+            for mesh in ([square, hole], [square[:2] + [(6, 3), (6, 6), (3, 6), (0, 6)], hole]):
+                t = vt.tessellate([(4, 0), (4, 4), (2, 2)], weights=[-2 * h, -2 * h, 2 * h], mesh={"type": "Polygon", "coordinates": mesh})
+                self.check_simple(t.pieces())
+                self.check_connected(t.pieces())
+                np.testing.assert_allclose(np.bincount(t.pieces().cells, t.pieces().volumes, 3), t.volumes, atol=1e-12)
+
     def check_simple(self, pieces):
         """Asserts in fractions that no ring touches itself, none crosses another, and that their areas are those of the pieces."""
 
@@ -313,6 +357,7 @@ class Polygons(unittest.TestCase):
                 t = vt.tessellate(points @ axes + move, mesh=mesh_of([np.array(ring) @ axes + move for ring in rings]))
                 pieces = t.pieces()
                 self.check_simple(pieces)
+                self.check_connected(pieces)
                 for row in range(len(t)):
                     volumes = pieces.volumes[pieces.indptr[row] : pieces.indptr[row + 1]]
                     self.assertTrue((np.diff(volumes) <= 0).all())

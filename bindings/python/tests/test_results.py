@@ -104,6 +104,13 @@ class Want(unittest.TestCase):
             t.counts
         with self.assertRaisesRegex(AttributeError, "face_vertices was not computed: put 'faces' into want"):
             t.face_vertices
+        for result in (t, rows[0], vt.Diagram(uniform(10)).probe(uniform(2))):
+            for name, right in (("volume", "volumes"), ("centroid", "centroids"), ("surface_area", "surface_areas"), ("neighbours", "neighbors")):
+                if hasattr(type(result), right):
+                    with self.assertRaisesRegex(AttributeError, f"'{name}': did you mean '{right}'[?]$"):
+                        getattr(result, name)
+            with self.assertRaisesRegex(AttributeError, "'qqqq'$"):
+                result.qqqq
         self.assertIsNone(t.ids)  # of a subset
         with self.assertRaisesRegex(AttributeError, "surface_areas"):
             color_values(t, "surfaces")

@@ -194,7 +194,7 @@ FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points, const
         }
         std::array<bool, 3> periodic{};
         for (std::size_t k = 0; k < axes.size(); ++k) periodic[k] = axes[k] != 0;
-        return stated_domain(file.attribute("/", "box"), periodic, file.attribute("/", "cell"),
+        return stated_domain(file.path(), file.attribute("/", "box"), periodic, file.attribute("/", "cell"),
                              file.attribute("/", "origin"), walls);
     }
     if (const auto domain = domain_of_h5md(file, points, frame)) return *domain;
