@@ -43,7 +43,7 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     clear_foreign();
     spilled_.assign(count + 1, -1);
     done_.assign(count, 0);
-    group_done_.assign(count / group_size + 1, 0);
+    group_done_.assign(count / group_size + block_groups, 0);
     if (!positions) return;
     if (positions_.size() < reserved_vertices * count) {  // so that later jobs allocate nothing
         positions_.resize(reserved_vertices * count);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <vector>
@@ -61,6 +62,16 @@ public:
     // Without a branch, which would be mispredicted.
     [[nodiscard]] bool group_done(std::size_t group) const {
         return group_done_[std::min(group - first_ / group_size, group_done_.size() - 1)] == group_size;
+    }
+    static constexpr std::size_t block_groups = 8;
+    // The same for groups block * block_groups and on.
+    [[nodiscard]] bool block_done(std::size_t block) const {
+        constexpr std::uint64_t all = group_size * 0x0101010101010101;
+        std::uint64_t done;
+        static_assert(sizeof done == block_groups);
+        const std::size_t begin = block * block_groups - first_ / group_size;
+        std::memcpy(&done, &group_done_[std::min(begin, group_done_.size() - block_groups)], sizeof done);
+        return done == all;
     }
 
     // When positions are kept: stores a vertex of a seed of the stretch. Returns its number in the stretch.
@@ -169,7 +180,7 @@ private:
     std::vector<KnownVertex> gathered_;
     std::vector<std::int32_t> ties_;               // of each, the number of cells, then the cells
     std::vector<double> tie_powers_;               // by seed
-    std::vector<std::uint8_t> done_, group_done_;  // the last of group_done_ is never whole
+    std::vector<std::uint8_t> done_, group_done_;  // the last block_groups of group_done_ are never whole
 };
 
 }  // namespace votess::cpu

@@ -30,7 +30,8 @@ private:
     static constexpr double unit = bounds::unit, margin = bounds::margin, quantum = bounds::quantum;
     static constexpr double worst_condition2 = bounds::worst_condition * bounds::worst_condition;
     static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
+    static constexpr double longest_normal = 1e12;    // in window units: products of three stay floats
+    static constexpr double longest_of_window = 3.5;  // the same, in extents of the window: its diagonal
     // The squared reach is a multiple of the typical squared security radius. It grows where vertices often lie a
     // little beyond, because a search costs more time than candidates.
     static constexpr double min_reach_margin = 1.7, max_reach_margin = 2.8, margin_step = 0.002,
@@ -42,8 +43,9 @@ private:
     static constexpr double min_turned = 0.15, min_steepest = 0.5, min_stretch = 2.5;
     static constexpr double max_stretch = 128;
     static constexpr int max_candidates = 160;  // at first
-    // With weights a vertex beyond the candidates costs more time.
-    static constexpr int max_weighted_candidates = 220;
+    // With weights a vertex beyond the candidates costs more time. Where heavy seeds are too many for a window, more
+    // candidates spare no searches.
+    static constexpr int max_weighted_candidates = 300, max_crowded_candidates = 220;
     static constexpr double shrink = 0.5, weighted_shrink = 0.7;  // of the squared reach where they are too many
     static constexpr int max_shrinks = 8, max_weighted_shrinks = 16;
     static constexpr int enough_candidates = 80;
@@ -319,6 +321,7 @@ private:
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
     [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known) const;
+    [[gnu::noinline]] bool add_of_window(const Four& x, double x2, const std::int32_t* three, int& added);
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, const Four& vertex, const std::int32_t* three,
                                       int& added);
     template <class Visit>
@@ -413,15 +416,16 @@ private:
     float own_weight_ = 0;  // in the window
     bool empty_ = false;    // the cell
     bool have_candidates_ = false;
-    bool start_failed_ = false;       // the starting edge has no end
-    std::int32_t cut_by_ = no_plane;  // cuts off all of the starting edge
-    std::int32_t own_x_ = 0;          // in the window
+    bool start_failed_ = false;                // the starting edge has no end
+    std::int32_t cut_by_ = no_plane;           // cuts off all of the starting edge
+    std::array<std::int32_t, 3> own_place_{};  // in the window
     CandidatePlanes candidates_;
     int selected_ = 0;            // candidates up to here are walls and seeds of the window
     int near_walls_end_ = 0;      // candidates up to here are walls
     double walls_within2_ = 0;    // squared security radius of vertices that no other wall of many cuts off
     double covered_ = 0;          // squared security radius of vertices that only candidates cut off
     double near_covered_ = 0;     // and of those that only the near ones cut off
+    double window_covered_ = 0;   // and with weights, of those that only seeds of the window cut off
     double longest_ = 0;          // bound on the length of candidate normals
     double weight_rounding_ = 0;  // of h, by the residuals of the window
     double rounding_ = 0,

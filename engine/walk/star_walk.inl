@@ -352,13 +352,16 @@ bool StarWalk<Isa>::gather_candidates() {
     const auto p = probing_ ? window_.position(p_) : window_.position(seed_);
     if (!probing_) window_.hide(seed_);
     have_candidates_ = true;
-    own_x_ = p[0];
+    own_place_ = p;
     scale_ = scale;
     unscale_ = 1 / scale;
     if (seeds_.images != nullptr)
         set_image_reach(!weighted_ ? seeds_.images->min_reach() : sure_images_known_ ? sure_image_reach() : 0);
     planes_known_ = facings_known_ = 0;
     selected_ = CandidatePlanes::capacity;
+    const int most = !weighted_              ? max_candidates
+                     : window_.covered() > 0 ? max_weighted_candidates
+                                             : max_crowded_candidates;
     for (int tries = 0;; ++tries) {
         const double reach = std::sqrt(reach2) * scale;
         set_longest((is_bent_ ? reach * bent_.longest : reach) * (1 + 0x1p-20) + quantum);
@@ -367,17 +370,17 @@ bool StarWalk<Isa>::gather_candidates() {
         const double square = reach2 * scale * scale, near_square = near_share * square;
         SelectLimits limits{static_cast<float>(near_square), static_cast<float>(square), 0};
         if (weighted_) {
-            constexpr double longest = 3.5;  // of a normal: the diagonal of the window
             const double rounding =
-                weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale, longest * window_.extent());
+                weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale, longest_of_window * window_.extent());
             const double distance = 0.5 * (is_bent_ ? reach * bent_.longest : reach);
             limits.slack = static_cast<float>(bounds::select_slack(distance, window_.extent(), rounding));
             for (std::size_t k = 0; k < 3; ++k) limits.turn[k] = static_cast<float>(turn_.x[k] * scale);
         }
-        if (select(p, limits) && candidates_.count <= (weighted_ ? max_weighted_candidates : max_candidates)) {
+        if (select(p, limits) && candidates_.count <= most) {
             const double complete = window_.covered() * window_.covered() * scale * scale;
             covered_ = covered_by_search(std::min(square, complete));
             near_covered_ = covered_by_search(std::min(near_square, complete));
+            window_covered_ = weighted_ ? covered_by_search(complete) : 0;
             // Seeds are denser than they were. Heavy seeds may crowd one cell only.
             if (weighted_ ? tries == 1 : tries > 0) typical_reach_ = reach2 / reach_margin_;
             break;
@@ -766,7 +769,8 @@ void StarWalk<Isa>::search_groups(Test test, Visit visit) {
         std::uint32_t* const begin = level > 0 ? pending_[level - 1].at : groups_.data();
         std::uint32_t* to = begin;
         const auto near = test(level);
-        for (; index != end; ++index) to += Isa::list_bits(near(*index), *index * box_fan, to);
+        for (; index != end; ++index)
+            if (level > 0 || !cells_.block_done(*index)) to += Isa::list_bits(near(*index), *index * box_fan, to);
         if (level == 0) {
             if (!visit(std::span<const std::uint32_t>(begin, to))) return;
         } else {
@@ -867,6 +871,46 @@ std::uint32_t StarWalk<Isa>::group_near(const Four& x, std::uint32_t known) cons
     return known != no_group && squares_to(0, known / box_fan)[known % box_fan] <= square ? known : node;
 }
 
+// Adds seeds of the window that may cut off a vertex within its reach. In floats, as the candidates.
+//
+// Twice H - N.X is computed at once, with N.(turn - 2 X): rounding is at most twice as large.
+template <class Isa>
+bool StarWalk<Isa>::add_of_window(const Four& x, double x2, const std::int32_t* three, int& added) {
+    constexpr int lanes = 8, step = 64;  // most steps have none
+    const double longest = longest_of_window * window_.extent();
+    const bounds::FloatMargin m = bounds::float_margin(
+        longest, tilt_length_ * scale_, weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale_, longest));
+    const auto limit = static_cast<float>(4 * (m.by_square * x2 + m.constant));
+    float along[3];
+    for (std::size_t k = 0; k < 3; ++k) along[k] = static_cast<float>(turn_.x[k] * scale_ - 2 * x.x[k]);
+    const auto [px, py, pz] = own_place_;
+    const WindowSeeds seeds = window_.seeds();
+    const auto excess = [&](int i) {
+        const auto nx = static_cast<float>(seeds.x[i] - px), ny = static_cast<float>(seeds.y[i] - py),
+                   nz = static_cast<float>(seeds.z[i] - pz);
+        return nx * (nx + along[0]) + ny * (ny + along[1]) + nz * (nz + along[2]) + (own_weight_ - seeds.weight[i]);
+    };
+    for (int begin = 0; begin < seeds.count; begin += step) {
+        const int end = std::min(begin + step, seeds.count);
+        float least[lanes];
+        std::fill_n(least, lanes, std::numeric_limits<float>::infinity());
+        for (int i = begin; i < end; i += lanes)
+            for (int k = 0; k < lanes; ++k) {
+                const float one = excess(i + k);
+                least[k] = one < least[k] ? one : least[k];
+            }
+        if (*std::min_element(least, least + lanes) > limit) continue;
+        for (int i = begin; i < end; ++i) {
+            if (excess(i) > limit) continue;
+            const std::int32_t id = seeds.id[i];
+            if (id == three[0] || id == three[1] || id == three[2] || is_candidate(id)) continue;
+            if (!add_candidate(id)) return false;
+            if (++added == max_new_seeds) return true;
+        }
+    }
+    return true;
+}
+
 // Adds seeds beyond the candidates that may lie in the ball around the vertex, which shrinks with each.
 //
 // The edge is searched again only after max_new_seeds of them. It begins at a proven vertex, where n.x - h <= 0 for all
@@ -885,7 +929,6 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, const Four& ver
             weighted_ ? 8 * margin * length2 + bounds::image_step * tilt_length_ * scale_ : 2 * margin * length2;
     };
     look_around(length2);
-    near_misses_ += 4 * (is_bent_ ? bent_square(x) : dot(wide(x), wide(x))) < missed_share * covered_ ? 1 : 0;
     bool room = true;
     const auto visit = [&](std::span<const std::uint32_t> groups) {
         Found found[max_found];
@@ -1035,7 +1078,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     const bool done = build_cell<false>();
     if (done) cells_.set_done(seed);
     if (have_candidates_) {  // it is hidden
-        if (!done) window_.show(seed, own_x_, own_weight_);
+        if (!done) window_.show(seed, own_place_[0], own_weight_);
     } else if (done && window_open_ && window_home_ == seed / Window::home_seeds) {
         window_.hide(seed);
     }
@@ -1361,7 +1404,10 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             int added = 0;
             if (!add_wall_before(x, third.length2, search2 <= covered_, -wide(line.ab), added)) return false;
             if (added == 0 && search2 > covered_ && !searched) {
-                if (!add_inside(line, third.length2, x, three, added)) return false;
+                near_misses_ += 4 * square < missed_share * covered_ ? 1 : 0;
+                if (!(search2 <= window_covered_ ? add_of_window(x, x2, three, added)
+                                                 : add_inside(line, third.length2, x, three, added)))
+                    return false;
                 searched = vertices_ > 0 && added < max_new_seeds;
             }
             if (added > 0) {

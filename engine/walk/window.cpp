@@ -22,12 +22,16 @@ constexpr double smallest_extent = 1e-280;  // units would overflow
 }  // namespace
 
 template <class Near>
-bool Window::collect(std::size_t most, Near near_boxes) {
-    group_count_ = 0;
+bool Window::collect(std::size_t most, const Neighborhood& cells, Near near_boxes) {
+    group_count_ = blocks_done_ = 0;
     std::size_t nodes = 1;
     stack_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const Node node = stack_[--nodes];
+        if (node.level == 0 && cells.block_done(node.index)) {
+            ++blocks_done_;
+            continue;
+        }
         const unsigned near = near_boxes(node);
         const std::uint32_t first = node.index * box_fan;
         // Without branches, which would be mispredicted.
@@ -47,15 +51,16 @@ bool Window::collect(std::size_t most, Near near_boxes) {
     return true;
 }
 
-bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, const Bent* bent) {
+bool Window::collect(const Box& box, double radius, const WeightTilt* tilt, const Bent* bent,
+                     const Neighborhood& cells) {
     const double square = radius * radius * (1 + 1e-12);
     if (tilt == nullptr)
-        return collect(max_groups, [&](const Node& node) {
+        return collect(max_groups, cells, [&](const Node& node) {
             return kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, square);
         });
     const double length = bent == nullptr ? 0.5 * radius : 0.5 * radius * bent->longest + bent->max_turned;
     const HeavierTest test(*tilt, length, 0, 0);
-    return collect(max_heavier_groups, [&](const Node& node) {
+    return collect(max_heavier_groups, cells, [&](const Node& node) {
         const BoxBlock& boxes = hierarchy_.block(node.level, node.index);
         const WeightBlock& weights = hierarchy_.weight_bounds(node.level, node.index);
         return bent == nullptr || node.level > max_bent_level
@@ -77,7 +82,7 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
                   const Bent* bent) {
     const WeightTilt* heavier = tilt;  // null if only near seeds are collected
     for (int tries = 0;; ++tries) {
-        const bool all = collect(box, radius, heavier, bent);
+        const bool all = collect(box, radius, heavier, bent, cells);
         if (!all && heavier != nullptr && tries == max_heavier_tries) {
             heavier = nullptr;
             continue;
@@ -88,7 +93,7 @@ bool Window::open(std::size_t home, const Box& box, double radius, const WeightT
         }
         if (!all)
             radius *= 0.7;
-        else if (group_count_ < min_groups && group_count_ < hierarchy_.count(0))
+        else if (blocks_done_ == 0 && group_count_ < min_groups && group_count_ < hierarchy_.count(0))
             radius *= 1.5;
         else
             break;

@@ -17,6 +17,8 @@ namespace votess::cpu {
 
 class Window {
 public:
+    static_assert(Neighborhood::block_groups == Hierarchy::fan);
+
     Window(const SortedSeeds& seeds, const Hierarchy& hierarchy, const StarKernels& kernels)
         : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels), bent_kernels_(bent_kernels(kernels.name)) {}
 
@@ -90,10 +92,10 @@ private:
     }
     // Returns false when the weights differ too much for floats.
     bool find_span();
-    // Returns false when more than `max_groups` groups are that near.
-    bool collect(const Box& box, double radius, const WeightTilt* tilt, const Bent* bent);
+    // Returns false when more than `max_groups` groups are that near. Skips and counts blocks that are done.
+    bool collect(const Box& box, double radius, const WeightTilt* tilt, const Bent* bent, const Neighborhood& cells);
     template <class Near>
-    bool collect(std::size_t most, Near near);
+    bool collect(std::size_t most, const Neighborhood& cells, Near near);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
@@ -107,7 +109,7 @@ private:
     };
     std::array<Node, Hierarchy::max_nodes> stack_;
     std::array<std::uint32_t, max_heavier_groups + 2 * box_fan> groups_;
-    std::size_t group_count_ = 0;
+    std::size_t group_count_ = 0, blocks_done_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;
     std::vector<float> weight_;
     double extent_ = 0;
