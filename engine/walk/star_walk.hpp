@@ -318,7 +318,7 @@ private:
     [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
-    [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known) const;
+    [[nodiscard]] std::uint32_t group_near(const Four& x) const;
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, const Four& vertex, const std::int32_t* three,
                                       int& added);
     template <class Visit>
