@@ -60,7 +60,7 @@ private:
     static constexpr int max_ties = 64;
     static constexpr int lane_step = 8;  // planes are read by so many at once
     static constexpr std::uint32_t no_group = ~0u;
-    static constexpr int max_batch = 8, max_weighted_batch = 4;  // blocks tested at once
+    static constexpr int max_batch = 4;  // blocks tested at once
     static constexpr int max_found = max_batch * box_fan;
     static constexpr std::uint16_t no_slot = std::numeric_limits<std::uint16_t>::max();  // above all slots
     static constexpr std::int32_t no_plane = std::numeric_limits<std::int32_t>::min();
@@ -314,7 +314,7 @@ private:
     [[nodiscard, gnu::always_inline]] inline int find_all_inside(std::span<const std::uint32_t> groups,
                                                                  const GroupTest& test, Found* found) const;
     [[nodiscard, gnu::always_inline]] inline int leave_out(const std::int32_t* three, int count, Found* found) const;
-    template <int Batch, class Test, class Visit>
+    template <class Test, class Visit>
     [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);

@@ -757,14 +757,14 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
 // lowest pending boxes come first, because the test may become stricter with a visit. test(level): the test of the
 // blocks of a level. visit(groups): returns false to stop.
 template <class Isa>
-template <int Batch, class Test, class Visit>
+template <class Test, class Visit>
 void StarWalk<Isa>::search_groups(Test test, Visit visit) {
     const int root = std::max(0, hierarchy_.top_level() - 1);
     pending_[root].count = 1;
     pending_[root].at[0] = 0;
     for (int level = root; level <= root;) {
         Pending& from = pending_[level];
-        const int batch = std::min(from.count, Batch);
+        const int batch = std::min(from.count, max_batch);
         from.count -= batch;
         const std::uint32_t *index = from.at + from.count, *const end = index + batch;
         std::uint32_t* const begin = level > 0 ? pending_[level - 1].at : groups_.data();
@@ -820,7 +820,7 @@ template <class Isa>
 template <class Visit>
 void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
     if (weighted_) {
-        search_groups<max_weighted_batch>(
+        search_groups(
             [&](int level) {
                 const BoxBlock* const boxes = &hierarchy_.block(level, 0);
                 const WeightBlock* const weights = &hierarchy_.weight_bounds(level, 0);
@@ -831,7 +831,7 @@ void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
             },
             visit);
     } else {
-        search_groups<max_batch>(
+        search_groups(
             [&](int level) {
                 const BoxBlock* const boxes = &hierarchy_.block(level, 0);
                 const Box center{ball.center.lower, ball.center.lower};
