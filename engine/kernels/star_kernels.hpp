@@ -141,12 +141,10 @@ struct WindowFrame {
     const WeightTilt* tilt;  // null without weights
     double length;           // with weights, see near_heavier()
 };
-// Which planes to select: those nearer to the seed than sqrt(distance_squared) / 2, by more than `slack` in h. With
-// weights turn.n / 2 is added to h, for a seed whose cell is seen with another slope of the weights than the window's.
+// Which planes to select: those nearer to the seed than sqrt(distance_squared) / 2, by more than `slack` in h.
 struct SelectLimits {
     float near_squared, distance_squared;
     float slack;
-    float turn[3]{};
 };
 
 struct StarKernels {

@@ -71,9 +71,11 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         __m256 h = d, measured = d, square = d, bound = limit;
         if constexpr (Weighted) {
             __m256 more = _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i));
-            more = _mm256_fmadd_ps(nx, _mm256_set1_ps(limits.turn[0]), more);
-            more = _mm256_fmadd_ps(ny, _mm256_set1_ps(limits.turn[1]), more);
-            more = _mm256_fmadd_ps(nz, _mm256_set1_ps(limits.turn[2]), more);
+            if constexpr (std::is_same_v<Limits, BentLimits>) {
+                more = _mm256_fmadd_ps(nx, _mm256_set1_ps(limits.turn[0]), more);
+                more = _mm256_fmadd_ps(ny, _mm256_set1_ps(limits.turn[1]), more);
+                more = _mm256_fmadd_ps(nz, _mm256_set1_ps(limits.turn[2]), more);
+            }
             h = _mm256_add_ps(d, more);
             const __m256 less = _mm256_sub_ps(h, _mm256_set1_ps(2 * limits.slack));
             measured = _mm256_mul_ps(less, _mm256_andnot_ps(_mm256_set1_ps(-0.0f), less));

@@ -431,11 +431,10 @@ struct Baseline {
             const Float4 nx = difference(w.x, p[0]), ny = difference(w.y, p[1]), nz = difference(w.z, p[2]);
             const Float4 d = nx * nx + ny * ny + nz * nz;
             Float4 h = 0.5f * d;
-            if constexpr (Weighted)
-                h = 0.5f * (d + (weight - load(w.weight + i) + nx * limits.turn[0] + ny * limits.turn[1] +
-                                 nz * limits.turn[2]));
+            if constexpr (Weighted) h = 0.5f * (d + (weight - load(w.weight + i)));
             Float4 square = d;
             if constexpr (std::is_same_v<Limits, BentLimits>) {
+                h += 0.5f * (nx * limits.turn[0] + ny * limits.turn[1] + nz * limits.turn[2]);
                 const float* g = limits.metric;
                 square = nx * (g[0] * nx + g[5] * ny) + ny * (g[1] * ny + g[3] * nz) + nz * (g[2] * nz + g[4] * nx);
             }

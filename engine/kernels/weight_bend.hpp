@@ -23,9 +23,10 @@ struct WeightBend {
 };
 
 // For select(): a plane n.X = h counts as h / |n|_G away, with |n|_G^2 = n.G.n. In `metric` are the diagonal of G, and
-// twice its elements yz, zx, xy.
+// twice its elements yz, zx, xy. As a seed's cell is seen with another slope of the weights than the window's, turn.n /
+// 2 is added to h.
 struct BentLimits : SelectLimits {
-    float metric[6];
+    float metric[6], turn[3];
 };
 
 // For to_window(): `length` is that of near_bent().
@@ -41,9 +42,11 @@ struct BentKernels {
     // The same as StarKernels::to_window(), with the test of near_bent().
     int (*to_bent_window)(const GroupSource&, const BentFrame&, std::int32_t* const* out, std::int32_t* ids,
                           float* residuals);
+    // The same as StarKernels::select().
+    bool (*select_bent)(const WindowSeeds&, const std::int32_t* p, float weight, const BentLimits&, CandidatePlanes&);
 };
 template <class Isa>
-inline constexpr BentKernels bent_kernels_of{Isa::near_bent, Isa::to_bent_window};
+inline constexpr BentKernels bent_kernels_of{Isa::near_bent, Isa::to_bent_window, Isa::select_bent};
 const BentKernels& bent_kernels(std::string_view instructions);
 extern const BentKernels bent_kernels_avx2;
 

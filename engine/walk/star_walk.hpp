@@ -62,7 +62,7 @@ private:
     static constexpr int max_ties = 64;
     static constexpr int lane_step = 8;  // planes are read by so many at once
     static constexpr std::uint32_t no_group = ~0u;
-    static constexpr int max_batch = 4;  // blocks tested at once
+    static constexpr int max_batch = 8;  // blocks tested at once
     static constexpr int max_found = max_batch * box_fan;
     static constexpr std::uint16_t no_slot = std::numeric_limits<std::uint16_t>::max();  // above all slots
     static constexpr std::int32_t no_plane = std::numeric_limits<std::int32_t>::min();
@@ -320,7 +320,7 @@ private:
     [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
-    [[nodiscard]] std::uint32_t group_near(const Four& x, std::uint32_t known) const;
+    [[nodiscard]] std::uint32_t group_near(const Four& x) const;
     [[gnu::noinline]] bool add_of_window(const Four& x, double x2, const std::int32_t* three, int& added);
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, const Four& vertex, const std::int32_t* three,
                                       int& added);

@@ -374,7 +374,6 @@ bool StarWalk<Isa>::gather_candidates() {
                 weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale, longest_of_window * window_.extent());
             const double distance = 0.5 * (is_bent_ ? reach * bent_.longest : reach);
             limits.slack = static_cast<float>(bounds::select_slack(distance, window_.extent(), rounding));
-            for (std::size_t k = 0; k < 3; ++k) limits.turn[k] = static_cast<float>(turn_.x[k] * scale);
         }
         if (select(p, limits) && candidates_.count <= most) {
             const double complete = window_.covered() * window_.covered() * scale * scale;
@@ -407,8 +406,9 @@ bool StarWalk<Isa>::is_buried(const std::array<std::int32_t, 3>& p, SelectLimits
 template <class Isa>
 bool StarWalk<Isa>::select(const std::array<std::int32_t, 3>& p, const SelectLimits& limits) {
     if (!is_bent_) return Isa::select(window_.seeds(), p.data(), own_weight_, limits, candidates_);
-    BentLimits bent{limits, {}};
+    BentLimits bent{limits, {}, {}};
     for (std::size_t k = 0; k < 3; ++k) {
+        bent.turn[k] = static_cast<float>(turn_.x[k] * scale_);
         bent.metric[k] = static_cast<float>(bent_.metric[k][k]);
         bent.metric[3 + k] = static_cast<float>(2 * bent_.metric[(k + 1) % 3][(k + 2) % 3]);
     }
@@ -497,8 +497,9 @@ void StarWalk<Isa>::pad_candidates() {
 
 template <class Isa>
 bool StarWalk<Isa>::is_candidate(std::int32_t id) const {
-    const std::int32_t* end = candidates_.id + candidates_.count;
-    return std::find(candidates_.id, end, id) != end;
+    bool any = false;  // in vectors
+    for (int i = 0; i < candidates_.count; ++i) any |= candidates_.id[i] == id;
+    return any;
 }
 
 // The nearest seed is a neighbor, and the midpoint lies inside their face. Any way along the face leads to an edge.
@@ -729,9 +730,12 @@ typename StarWalk<Isa>::Ball StarWalk<Isa>::ball_around(const Four& x, double le
         ball.center.lower[k] = ball.center.upper[k] = p_[k] + offset;
         size = std::max(size, std::abs(p_[k]) + std::abs(offset));
     }
-    const double x2 = dot(wide(x), wide(x)), length = std::sqrt(length2);
-    ball.radius = in_places(weighted_ ? bounds::max_distance(std::sqrt(x2), length) : bounds::widest_reach(x2), size);
-    if (weighted_) ball.off = in_places(2 * margin * length, size);
+    const double x2 = dot(wide(x), wide(x));
+    ball.radius = in_places(bounds::widest_reach(x2), size);
+    if (!weighted_) return ball;
+    const double length = std::sqrt(length2);
+    ball.radius = in_places(bounds::max_distance(std::sqrt(x2), length), size);
+    ball.off = in_places(2 * margin * length, size);
     return ball;
 }
 
@@ -843,32 +847,41 @@ void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
 }
 
 // Returns a group whose box is near a vertex: the nearest box of each level leads to the next. Returns no_group if that
-// is too far away for numbers, and `known`, unless it is no_group, where its box is as near.
+// is too far away for numbers.
 template <class Isa>
-std::uint32_t StarWalk<Isa>::group_near(const Four& x, std::uint32_t known) const {
-    const auto squares_to = [&](int level, std::uint32_t node) {
+std::uint32_t StarWalk<Isa>::group_near(const Four& x) const {
+    constexpr double too_far = 1e300;  // as places without a box
+    using Longs __attribute__((vector_size(32), may_alias)) = std::int64_t;
+    const auto lesser = [](const Wide& a, const Wide& b, Wide& out) { out = a < b ? a : b; };
+    std::uint32_t node = 0;
+    for (int level = std::max(0, hierarchy_.top_level() - 1); level >= 0; --level) {
         const BoxBlock& boxes = hierarchy_.block(level, node);
-        std::array<double, box_fan> squares{};
+        Wide squares[2]{};
         for (std::size_t k = 0; k < 3; ++k) {
             const double at = p_[k] + x.x[k] * unscale_;
-            for (std::uint32_t child = 0; child < box_fan; ++child) {
-                // NaN stays NaN. Places without a box are infinitely far away.
-                const double gap = std::max(std::max(boxes.lower[k][child] - at, at - boxes.upper[k][child]), 0.0);
-                squares[child] += gap * gap;
+            for (int half = 0; half < 2; ++half) {
+                const auto& lower = reinterpret_cast<const Wide&>(boxes.lower[k][4 * half]);
+                const auto& upper = reinterpret_cast<const Wide&>(boxes.upper[k][4 * half]);
+                const Wide below = lower - at, above = at - upper;
+                Wide gap = below > above ? below : above;
+                gap = gap < 0 ? Wide{} : gap;
+                squares[half] += gap * gap;
             }
         }
-        return squares;
-    };
-    std::uint32_t node = 0;
-    double square = infinity;
-    for (int level = std::max(0, hierarchy_.top_level() - 1); level >= 0; --level) {
-        const std::array<double, box_fan> squares = squares_to(level, node);
-        const auto nearest = std::ranges::min_element(squares);
-        square = *nearest;
-        if (!(square < infinity)) return known;
-        node = node * box_fan + static_cast<std::uint32_t>(nearest - squares.begin());
+        // The index of a box takes the place of the last bits.
+        Wide nearest;
+        for (int half = 0; half < 2; ++half) {
+            lesser(squares[half], Wide{} + too_far, squares[half]);  // not NaN
+            Longs& named = reinterpret_cast<Longs&>(squares[half]);
+            named = (named & -box_fan) | (Longs{0, 1, 2, 3} + 4 * half);
+        }
+        lesser(squares[0], squares[1], nearest);
+        lesser(nearest, __builtin_shufflevector(nearest, nearest, 2, 3, 0, 1), nearest);
+        const double least = std::min(nearest[0], nearest[1]);
+        if (!(least < 0.5 * too_far)) return no_group;
+        node = node * box_fan + static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(least) % box_fan);
     }
-    return known != no_group && squares_to(0, known / box_fan)[known % box_fan] <= square ? known : node;
+    return node;
 }
 
 // Adds seeds of the window that may cut off a vertex within its reach. In floats, as the candidates.
@@ -969,8 +982,8 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, const Four& ver
         });
         if (!any) return true;
         for (std::uint32_t last = no_group;;) {
-            const std::uint32_t group = group_near(x, last);
-            if (group == std::exchange(last, group)) break;
+            const std::uint32_t group = group_near(x);
+            if (group == std::exchange(last, group) || group == no_group) break;
             if (!visit({&last, 1})) return room;
         }
     }

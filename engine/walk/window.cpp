@@ -21,32 +21,29 @@ constexpr double smallest_extent = 1e-280;  // units would overflow
 
 }  // namespace
 
+// Level by level, so that tests of boxes overlap in the processor. The order of groups decides last digits at ties.
 template <class Near>
 bool Window::collect(std::size_t most, const Neighborhood& cells, Near near_boxes) {
-    group_count_ = blocks_done_ = 0;
     std::size_t nodes = 1;
-    stack_[0] = {hierarchy_.top_level(), 0};
-    while (nodes > 0) {
-        const Node node = stack_[--nodes];
-        if (node.level == 0 && cells.block_done(node.index)) {
+    std::uint32_t *from = nodes_[0].data(), *to = nodes_[1].data();
+    from[0] = 0;
+    for (int level = hierarchy_.top_level(); level > 0; --level) {
+        std::size_t next = 0;
+        for (std::size_t i = 0; i < nodes; ++i) {
+            if (next + box_fan > max_nodes) return false;
+            next += kernels_.list_bits(near_boxes({level, from[i]}), from[i] * box_fan, to + next);
+        }
+        std::swap(from, to);
+        nodes = next;
+    }
+    group_count_ = blocks_done_ = 0;
+    while (nodes-- > 0) {
+        if (cells.block_done(from[nodes])) {
             ++blocks_done_;
             continue;
         }
-        const unsigned near = near_boxes(node);
-        const std::uint32_t first = node.index * box_fan;
-        // Without branches, which would be mispredicted.
-        if (node.level > 0) {
-            for (std::uint32_t k = 0; k < box_fan; ++k) {
-                stack_[nodes] = {node.level - 1, first + k};
-                nodes += (near >> k) & 1;
-            }
-        } else {
-            for (std::uint32_t k = 0; k < box_fan; ++k) {
-                groups_[group_count_] = first + k;
-                group_count_ += (near >> k) & 1;
-            }
-            if (group_count_ > most) return false;
-        }
+        group_count_ += kernels_.list_bits(near_boxes({0, from[nodes]}), from[nodes] * box_fan, &groups_[group_count_]);
+        if (group_count_ > most) return false;
     }
     return true;
 }

@@ -107,7 +107,8 @@ private:
         std::int32_t level;
         std::uint32_t index;
     };
-    std::array<Node, Hierarchy::max_nodes> stack_;
+    static constexpr std::size_t max_nodes = 1024;  // of a level
+    std::array<std::array<std::uint32_t, max_nodes>, 2> nodes_;
     std::array<std::uint32_t, max_heavier_groups + 2 * box_fan> groups_;
     std::size_t group_count_ = 0, blocks_done_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;

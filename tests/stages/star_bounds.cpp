@@ -119,6 +119,7 @@ TEST_SUITE("stages") {
     TEST_CASE("star bounds: planes of seeds that the search skips are as far away as it says") {
         Random random(7);
         test::for_each_set([&](const StarKernels& kernels) {
+            const BentKernels& bent = bent_kernels(kernels.name);
             std::size_t skipped = 0;
             for (std::size_t i = 0; i < test::by_size(20000, 4000); ++i) {
                 const double extent = decades(random, 5, 8), distance = extent * decades(random, -3, -0.1);
@@ -139,7 +140,7 @@ TEST_SUITE("stages") {
                 // With a tilt of its own: turn.n / 2 more.
                 const Vector aside = direction(random);
                 const double turn = random.chance(0.5) ? 0 : extent * decades(random, -4, 1);
-                SelectLimits limits{};
+                BentLimits limits{{}, {1, 1, 1, 0, 0, 0}, {}};
                 double turned = 0;
                 for (std::size_t k = 0; k < 3; ++k) {
                     limits.turn[k] = static_cast<float>(turn * aside[k]);
@@ -160,8 +161,10 @@ TEST_SUITE("stages") {
                 const auto candidates = std::make_unique<CandidatePlanes>();
                 limits.near_squared = limits.distance_squared = static_cast<float>(limit);
                 limits.slack = slack;
-                REQUIRE(kernels.select({at[0], at[1], at[2], ids, weights, 1}, zero, static_cast<float>(own), limits,
-                                       *candidates));
+                const WindowSeeds seeds{at[0], at[1], at[2], ids, weights, 1};
+                const auto weight = static_cast<float>(own);
+                REQUIRE((turn == 0 ? kernels.select(seeds, zero, weight, limits, *candidates)
+                                   : bent.select_bent(seeds, zero, weight, limits, *candidates)));
                 skipped += candidates->count == 0 ? 1 : 0;
                 if (candidates->count == 0) CHECK(h / std::sqrt(norm2) >= distance * (1 - 0x1p-20) - bounds::quantum);
             }
