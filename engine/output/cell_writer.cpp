@@ -239,7 +239,9 @@ bool CellWriter::measure_by_kernel(CellShape& shape) {
         const auto& [x, y, z] = shape.plane[f].n;  // half of the way
         return 4 * (x * x + y * y + z * z);
     };
-    return !vast_beyond(std::span(measures_.areas).first(static_cast<std::size_t>(shape.planes)), is_wall, distance2);
+    const auto planes = static_cast<std::size_t>(shape.planes);
+    if (wall_faces_ < planes && is_surely_compact(measures_.farthest_squared, distance2(planes - 1))) return true;
+    return !vast_beyond(std::span(measures_.areas).first(planes), is_wall, distance2);
 }
 
 void CellWriter::write_none(std::size_t output, CellStatus status) {
