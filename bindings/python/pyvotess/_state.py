@@ -391,7 +391,7 @@ def _sizes(data: ResultData, places: Float64Array) -> Dict[str, Float64Array]:
     if "centroids" in held:
         size = np.linalg.norm(held["centroids"] - places, axis=1)
         if "volumes" in held:
-            size += held["volumes"] ** (1 / places.shape[1])
+            size += np.abs(held["volumes"]) ** (1 / places.shape[1])  # those of crossing rings are below 0
         sizes["centroids"] = size[:, None]
     if "vertices" in held:
         corners = held["cell_vertex_indices"]
