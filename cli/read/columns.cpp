@@ -20,8 +20,8 @@ std::optional<std::size_t> find_any(const Words& names, const std::string& name)
     return std::nullopt;
 }
 
-std::optional<std::size_t> find_species(const Words& names) {
-    for (const char* const name : {"element", "typelabel", "species", "symbol", "type"})
+std::optional<std::size_t> find_species(const Words& names, SpeciesNames species) {
+    for (const char* const name : species)
         if (const auto at = find_name(names, name)) return at;
     return std::nullopt;
 }
@@ -33,13 +33,14 @@ std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::s
     return names;
 }
 
-ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where)
+ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where,
+                           SpeciesNames species)
     : carries_words_(request.carries_words) {
     if (names.size() > max_columns) {
         throw bad_input(where + ": " + columns_text(names.size()) + ", more than the " + std::to_string(max_columns) +
                         " that are read");
     }
-    if (request.species) species_ = find_species(names);
+    if (request.species) species_ = find_species(names, species);
     for (std::size_t c = 0; c < request.columns.size(); ++c) {
         const std::string& name = request.columns[c];
         const bool carried = c >= request.first_carried;
@@ -57,7 +58,7 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
         if (const auto at = find_any(names, name)) {
             const std::string number = std::to_string(*at + 1);
             places_.push_back({name_of(names[*at].empty() ? number : names[*at]), {*at}, carried});
-        } else if (const auto alias = name == "species" ? find_species(names)
+        } else if (const auto alias = name == "species" ? find_species(names, species)
                                       : name == "type"  ? find_name(names, "typelabel")
                                                         : std::nullopt) {
             places_.push_back({name, {*alias}, carried});

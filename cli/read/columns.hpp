@@ -1,6 +1,7 @@
 // Columns that a run requests in addition to coordinates and ids: weights or radii, masses, carried columns.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,13 +15,19 @@ namespace clvotess {
 // Returns the names; numbers from 1 for columns without a name.
 [[nodiscard]] std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::size_t columns);
 
+// Columns that may hold the species, the first that is there. LAMMPS has no column `species` of its own in a dump.
+using SpeciesNames = const std::array<const char*, 5>&;
+constexpr std::array<const char*, 5> species_names{"species", "element", "symbol", "typelabel", "type"};
+constexpr std::array<const char*, 5> species_names_of_dump{"element", "typelabel", "species", "symbol", "type"};
+
 // Places of the requested columns in the rows of a file. A vector NAME may consist of columns NAME_1, NAME_2, ... The
-// name species also finds a column element, typelabel, symbol or type, and type finds typelabel.
+// name species also finds a column of SpeciesNames, and type finds typelabel.
 class ColumnPlaces {
 public:
     // names: of all columns; numbers from 1 where they have none. where: for messages. Throws Failure when a requested
     // column is missing and required, or when there are too many columns.
-    ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where);
+    ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where,
+                 SpeciesNames species = species_names);
 
     // Adds the columns that hold a number in this row and are not `taken` for coordinates and ids, for --copy all.
     void add_others(const Words& names, std::span<const std::size_t> taken, const Words& row);

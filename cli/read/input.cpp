@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <span>
 
 #include "core/system.hpp"
 #include "failure.hpp"
@@ -202,7 +203,8 @@ void check_stated(const std::string& file, const std::vector<double>& box, const
                   const std::vector<double>& origin) {
     constexpr double rounding = 1e-6;  // of cells in single precision
     const std::size_t size = box.size() / 2;
-    if (cell.empty() != origin.empty())
+    const bool is_corner = cell.empty() && std::ranges::equal(origin, std::span(box).first(size));
+    if (cell.empty() != origin.empty() && !is_corner)
         throw bad_input(file + ": there is " + (cell.empty() ? "an origin, and no cell" : "a cell, and no origin") +
                         ": a cell needs both, a box neither");
     for (std::size_t k = 0; k < size; ++k) {

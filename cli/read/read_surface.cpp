@@ -112,7 +112,7 @@ private:
 };
 
 // Any white space separates words, so that a facet may stand on one line or on seven. A name ends with its line, or
-// before the next `facet normal`.
+// before the next `facet normal` with a number.
 class TextStl {
 public:
     TextStl(std::string_view text, const std::string& name) : lines_(text, name) {}
@@ -148,7 +148,10 @@ private:
     void skip_name(bool of_solid) {
         const auto word = [&](std::size_t k) { return k < words_.size() ? lower_case(words_[k]) : std::string(); };
         std::size_t facet = next_;
-        while (facet < words_.size() && !(word(facet) == "facet" && word(facet + 1) == "normal")) ++facet;
+        const auto is_facet = [&](std::size_t k) {
+            return word(k) == "facet" && word(k + 1) == "normal" && k + 2 < words_.size() && read_double(words_[k + 2]);
+        };
+        while (facet < words_.size() && !is_facet(facet)) ++facet;
         if (!of_solid && facet < words_.size())
             while (next_ < facet && word(next_) != "solid") ++next_;
         else

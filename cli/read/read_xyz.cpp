@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "failure.hpp"
 #include "files/line_reader.hpp"
@@ -169,9 +170,9 @@ private:
         return numbers;
     }
 
-    // Drops the brackets of a matrix, three rows of three.
-    void join_rows(std::string& text) {
-        if (text.find('[') == std::string::npos) return;
+    // Drops the brackets of a matrix, three rows of three. Returns whether there were some.
+    bool join_rows(std::string& text) {
+        if (text.find('[') == std::string::npos) return false;
         const std::string whole = text;
         std::size_t rows = 0;
         for (std::size_t begin = 0; (begin = text.find('[', begin)) != std::string::npos; ++rows) {
@@ -182,6 +183,7 @@ private:
         }
         if (rows != 3)
             throw lines_.error("Lattice must hold three rows of three numbers, not " + in_quotes('[' + whole + ']'));
+        return true;
     }
 
     // Returns the cell in a comment of i-PI, `CELL(abcABC): a b c bc ac ab ... positions{unit} cell{unit}`, or with
@@ -223,8 +225,10 @@ private:
         domain.periodic_from = DomainSource::assumed;
         std::optional<votess::TriclinicBox> cell;
         if (auto lattice = value_of(comment, "lattice")) {
-            join_rows(*lattice);
-            const auto n = numbers_of("Lattice", *lattice, 9);
+            // The columns of a matrix are edges: the package extxyz writes and reads them so (0.2.2 and 0.4.6).
+            const bool is_matrix = join_rows(*lattice);
+            auto n = numbers_of("Lattice", *lattice, 9);
+            if (is_matrix) std::swap(n[1], n[3]), std::swap(n[2], n[6]), std::swap(n[5], n[7]);
             cell = votess::TriclinicBox{.a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
             const auto origin = value_of(comment, "origin");
             domain.corner_from = origin ? DomainSource::stated : DomainSource::assumed;

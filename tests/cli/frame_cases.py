@@ -41,8 +41,8 @@ class FrameFiles(ReaderTest):
             name = file(f"energy=-3.5 {lattice}{pbc} note=\"a = b\"")
             self.assertEqual(self.rows(name, "--list-walls"), expected)
             self.assertEqual(self.json(name)["domain"]["from"], "stated")
-        # Arrays as the package extxyz writes them. The rows of a matrix are edges.
-        matrix = json.dumps([cell[:3], cell[3:6], cell[6:]])
+        # Arrays as the package extxyz 0.2.2 writes them, and 0.4.6 reads them. The columns of a matrix are edges.
+        matrix = json.dumps([cell[k::3] for k in range(3)])
         for text in (f"Lattice={matrix}", f"Lattice={matrix.replace(' ', '')}", f"Lattice={json.dumps(cell)}", f"Lattice=[ {matrix[1:-1]} ]"):
             for comment in (f"{text} pbc=[T, T, F] Origin=[-1.0, -2, 0]", f"Origin=[-1,-2,0] note=[[1, 2], [3, 4]] pbc=[T,T,F] {text} a=1"):
                 state = self.json(file(comment))["domain"]
@@ -51,6 +51,9 @@ class FrameFiles(ReaderTest):
         for rows in ("[[4, 0, 0, 0], [4, 0], [0, 0, 4]]", "[[4, 0, 0], [0, 4, 0]]", "[[4, 0], [0, 4]]",
                      "[[4, 0, 0], [0, 4, 0], [0, 0, 4], [1, 1, 1]]"):
             self.refuse(file(f"Lattice={rows}"), says=["a.xyz:2:", "Lattice must hold three rows of three numbers"])
+        # The species of .xyz are `species` before others.
+        name = file(f"Properties=species:S:1:pos:R:3:element:S:1:typelabel:I:1 {lattice}", "H {} {} {} O 7")
+        self.assertEqual({row.split()[-1] for row in self.rows(name, "--copy", "species", "--format", "%i")}, {"H"})
         # ASE writes texts with quotes so. They hold no keys.
         name = file(f"""note="5\\" film, old pbc='F F F' " {lattice} pbc="T T F" run='no \\'pbc=F' """)
         self.assertEqual(self.json(name)["domain"]["periodic"], [True, True, False])

@@ -147,13 +147,15 @@ class ArrayFiles(ReaderTest):
             with self.subTest(list(arrays)):
                 self.assertIn(f"which needs a box of shape (2, 3): {unread}\n", summary(**arrays))
         self.assertNotIn("not read", summary(periodic=np.ones(20), cell=np.ones(20)))  # numbers of the points
+        np.savez(self.folder / "a.npz", points=points, box=box, origin=box[0])
+        self.assertEqual(self.json("a.npz")["domain"]["from"], "stated")
         for arrays, says in [({"box": box, "periodic": np.array([0, 1, 2])}, "periodic holds 2, and not 0 or 1 alone"),
                              ({"box": box, "periodic": np.array([0, 1, np.nan])}, "periodic holds nan"),
                              ({"box": box[::-1]}, "box goes from 2 to 0 along x"),
                              ({"box": box * [1, 1, np.nan]}, "box goes from nan to nan along z"),
                              ({"box": box * [1, 1, 0]}, "box is flat along z, at 0: leave z out of points and box, and add --2d"),
                              ({"box": box * [1, 0, 1], "periodic": np.zeros(3)}, "box is flat along y, at 0: give it a length"),
-                             ({"box": box, "origin": np.zeros(3)}, "there is an origin, and no cell: a cell needs both"),
+                             ({"box": box, "origin": np.ones(3)}, "there is an origin, and no cell: a cell needs both"),
                              ({"box": box, "cell": cell["cell"]}, "there is a cell, and no origin: a cell needs both"),
                              ({"box": box, **cell, "origin": np.ones(3)}, "box goes from 0 to 2 along x, the cell from 1 to 3"),
                              ({"box": box, **cell, "cell": np.diag([2, 3, 5.0])}, "box goes from 0 to 4 along z, the cell from 0 to 5"),

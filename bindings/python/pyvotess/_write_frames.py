@@ -41,18 +41,20 @@ def _equal(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> bool:
         return np.array_equal(a.astype(str), b.astype(str))
 
 
-_SPECIES = ("element", "typelabel", "species", "symbol", "type")  # readers take the first one that is there
+# Readers take the species from the first that is there.
+_SPECIES = ("species", "element", "symbol", "typelabel", "type")
+_SPECIES_OF_DUMP = ("element", "typelabel", "species", "symbol", "type")
 
 
-def _named(frame: Frame, own: List[Column]) -> Dict[str, npt.NDArray[Any]]:
+def _named(frame: Frame, own: List[Column], species: Tuple[str, ...]) -> Dict[str, npt.NDArray[Any]]:
     """Returns the columns of a frame that the file does not write by itself.
 
-    own: those that it writes. Raises ValueError for columns that a line cannot hold, for others of the same name, and for
+    own: those that it writes. species: names that readers look for. Raises ValueError for columns that a line cannot hold, for others of the same name, and for
     those that would be read as species or ids.
     """
     columns = {}
     taken = dict(own)
-    before = _SPECIES[: min(_SPECIES.index(name) for name in taken if name in _SPECIES)]
+    before = species[: min(species.index(name) for name in taken if name in species)]
     others = {**dict.fromkeys(before, "species"), "id": "ids"}
     for name, given in frame.columns.items():
         values = np.asarray(given)
@@ -134,7 +136,7 @@ def _xyz(frame: Frame) -> str:
     columns: List[Column] = [("type" if whole else "species", species.astype(np.int64) if whole else species), ("pos", _places(frame))]
     if frame.ids is not None:
         columns.append(("id", _ids(frame)))
-    columns += _named(frame, columns).items()
+    columns += _named(frame, columns, _SPECIES).items()
     kinds = {"i": "I", "u": "I", "b": "I", "f": "R", "U": "S"}
     names = [f"{name}:{kinds[values.dtype.kind]}:{1 if values.ndim == 1 else values.shape[1]}" for name, values in columns]
     step = "" if frame.timestep is None else f" Timestep={frame.timestep:.17g}"
@@ -158,7 +160,7 @@ def _dump(frame: Frame) -> str:
     ids = np.arange(1, len(frame) + 1) if frame.ids is None else _ids(frame)
     places = _places(frame)
     columns: List[Column] = [("id", ids), ("type" if whole or frame.species is None else "element", species), ("x y z", places)]
-    for name, values in _named(frame, [*columns, *zip("xyz", places.T)]).items():
+    for name, values in _named(frame, [*columns, *zip("xyz", places.T)], _SPECIES_OF_DUMP).items():
         parts = [name] if values.ndim == 1 else [f"{name}_{k + 1}" for k in range(values.shape[1])]
         columns.append((" ".join(parts), values))
     step = frame.number if frame.timestep is None else frame.timestep

@@ -204,7 +204,7 @@ private:
         names_.assign(words_.begin() + 2, words_.end());
         place_ = find_place(names_);
         id_ = find_name(names_, "id");
-        wanted_.emplace(request_, names_, lines_.name());
+        wanted_.emplace(request_, names_, lines_.name(), species_names_of_dump);
         first_ = true;
 
         Input input;

@@ -208,11 +208,12 @@ def lloyd(
                 way, energy = t.centroids - places, constant - _moment(t, places)
             else:
                 way, energy = _measure(t, places, density, threads)
-            if density is not None and t.volumes.any() and np.isnan(way).all():
-                raise ValueError("the density is 0 in all cells: there is no mass whose centers seeds could move to")
             energies.append(energy)
             if is_last:
                 break
+            if density is not None and t.volumes.any() and np.isnan(way).all():
+                where_read = "at all places where it was read" if callable(density) else "in all cells"
+                raise ValueError(f"the density is 0 {where_read}: there is no mass whose centers seeds could move to")
             if step == 0 and density is None and volumes is None and where.surface is None and not any(t.periodic):
                 moment = t.volumes.sum() * float((np.ptp(t.box, axis=0) ** 2).sum())
                 constant = energy + _moment(t, places) if moment < _MAX_RATIO * energy else None

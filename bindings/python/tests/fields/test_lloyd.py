@@ -322,7 +322,7 @@ class Calls(unittest.TestCase):
             ({"tolerance": -1e-9}, "tolerance is -1e-09"),
             ({"tolerance": np.nan}, "tolerance is nan"),
             ({"normalize": True}, "normalize= goes with volumes= only"),
-            ({"density": lambda x: np.zeros(len(x))}, "the density is 0 in all cells"),
+            ({"density": lambda x: np.zeros(len(x))}, "the density is 0 at all places where it was read"),
             ({"density": np.zeros((2, 2, 2))}, "the density is 0 in all cells"),
             ({"over_relaxation": 2.0}, "over_relaxation is 2.0"),
             ({"over_relaxation": 0}, "over_relaxation is 0"),
