@@ -889,8 +889,8 @@ std::uint32_t StarWalk<Isa>::group_near(const Four& x) const {
 // Twice H - N.X is computed at once, with N.(turn - 2 X): rounding is at most twice as large.
 template <class Isa>
 bool StarWalk<Isa>::add_of_window(const Four& x, double x2, const std::int32_t* three, int& added) {
-    constexpr int lanes = 8, step = 64;  // most steps have none
-    const double longest = longest_of_window * window_.extent();
+    constexpr int lanes = 8, step = 64;                                               // most steps have none
+    const double longest = std::max(longest_, longest_of_window * window_.extent());  // of seeds not in the window too
     const bounds::FloatMargin m = bounds::float_margin(
         longest, tilt_length_ * scale_, weight_rounding_ + bounds::turn_rounding(2 * turned_ * scale_, longest));
     const auto limit = static_cast<float>(4 * (m.by_square * x2 + m.constant));
