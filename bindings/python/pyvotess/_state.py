@@ -294,8 +294,6 @@ class Cells(ArrayAttributes):
 class SeedCells(Cells):
     """The cells of N seeds. :class:`pyvotess.Tessellation` adds files, pictures and further computations."""
 
-    _seed_weights: Optional[Float64Array] = None
-
     def __init__(
         self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain: Domain, weights: Optional[Float64Array] = None
     ) -> None:

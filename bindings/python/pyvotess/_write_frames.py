@@ -41,7 +41,7 @@ def _equal(a: npt.NDArray[Any], b: npt.NDArray[Any]) -> bool:
         return np.array_equal(a.astype(str), b.astype(str))
 
 
-# Readers take the species from the first that is there.
+# Readers take the species from the first that is there, see cli/read/columns.hpp.
 _SPECIES = ("species", "element", "symbol", "typelabel", "type")
 _SPECIES_OF_DUMP = ("element", "typelabel", "species", "symbol", "type")
 
@@ -49,8 +49,8 @@ _SPECIES_OF_DUMP = ("element", "typelabel", "species", "symbol", "type")
 def _named(frame: Frame, own: List[Column], species: Tuple[str, ...]) -> Dict[str, npt.NDArray[Any]]:
     """Returns the columns of a frame that the file does not write by itself.
 
-    own: those that it writes. species: names that readers look for. Raises ValueError for columns that a line cannot hold, for others of the same name, and for
-    those that would be read as species or ids.
+    own: those that it writes. species: names that readers look for. Raises ValueError for columns that a line cannot hold,
+    for others of the same name, and for those that would be read as species or ids.
     """
     columns = {}
     taken = dict(own)

@@ -197,7 +197,7 @@ class Files(Folder):
         for step, says in ((0.5, "whole numbers"), (np.nan, "whole numbers")):
             with self.assertRaisesRegex(ValueError, says):
                 vt.write_frames(self.folder / "b.dump", [vt.Frame(0, np.ones((1, 3)), box, step)])
-        names = ("element", "typelabel", "species", "symbol", "type")
+        names, written = ("element", "typelabel", "species", "symbol", "type"), set()
         for extension in (".xyz", ".dump"):
             for species in (None, ["H", "C"], ["1", "2"]):
                 for name in (*names, "id", "x", "xu"):
@@ -208,10 +208,15 @@ class Files(Folder):
                     except ValueError as error:
                         self.assertRegex(str(error), "give (it|this one) another name")
                         continue
+                    written.add((extension, species is not None and species[0], name))
                     found = next(vt.read_frames(path))
                     self.assertEqual(found.columns[name].tolist(), [7.5, 8.5])
                     if species is not None:
                         self.assertEqual(list(found.species), species)
+        for one in ((".xyz", "H", "element"), (".xyz", False, "x"), (".dump", "H", "species"), (".dump", "1", "xu")):
+            self.assertIn(one, written)
+        for one in ((".xyz", "H", "species"), (".xyz", "1", "element"), (".dump", "1", "element"), (".xyz", False, "id")):
+            self.assertNotIn(one, written)
         edge = vt.Frame(0, [[0.9, 0.3, 0.8], [0.2, 0.1, 0.1]], vt.Domain.box((0.2, 0.1, 0.1, 0.9, 0.3, 0.8)))
         for name in ("d.xyz", "d.dump"):
             vt.write_frames(self.folder / name, [edge])

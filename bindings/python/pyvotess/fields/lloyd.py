@@ -213,7 +213,7 @@ def lloyd(
                 break
             if density is not None and t.volumes.any() and np.isnan(way).all():
                 where_read = "at all places where it was read" if callable(density) else "in all cells"
-                raise ValueError(f"the density is 0 {where_read}: there is no mass whose centers seeds could move to")
+                raise ValueError(f"the density is 0 {where_read}: give one that has mass there")
             if step == 0 and density is None and volumes is None and where.surface is None and not any(t.periodic):
                 moment = t.volumes.sum() * float((np.ptp(t.box, axis=0) ** 2).sum())
                 constant = energy + _moment(t, places) if moment < _MAX_RATIO * energy else None
