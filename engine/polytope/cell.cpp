@@ -89,10 +89,15 @@ CellPlane box_wall(const exact::Point& seed, const Box& box, int wall) {
 // h is a sum that may cancel. At least half of all digits must remain.
 constexpr double worst_cancellation = 0x1p-40;
 
-// Returns CellPlane::unit for a normal.
-double unit_for(const std::array<double, 3>& n) {
+// Returns CellPlane::unit for a normal. A plane of short n and large power lies far away, where unit^2 power might
+// overflow.
+double unit_for(const std::array<double, 3>& n, double power) {
+    constexpr int largest_exponent = 1000;
     const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
-    return largest >= short_normal || largest < shortest_normal ? 1 : std::ldexp(1.0, -std::ilogb(largest));
+    if (largest >= short_normal || largest < shortest_normal) return 1;
+    const int wanted = -std::ilogb(largest);
+    const int most = power == 0 ? wanted : std::max(0, (largest_exponent - std::ilogb(power)) / 2);
+    return std::ldexp(1.0, std::min(wanted, most));
 }
 
 // Returns the squared length of unit * n.
@@ -123,7 +128,7 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
     if (source.is_bisector()) {
         const exact::Differences d = exact::differences(p, source);
         for (int k = 0; k < 3; ++k) plane.n[k] = d.x[k].high;
-        plane.unit = unit_for(plane.n);
+        plane.unit = unit_for(plane.n, source.power.high);
         const auto in_units = [&plane](DoubleDouble x) {
             return DoubleDouble{plane.unit * x.high, plane.unit * x.low};
         };
@@ -534,7 +539,7 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
 bool Cell::clip(std::int32_t id, const exact::Point& q) {
     CellPlane plane;
     for (int k = 0; k < 3; ++k) plane.n[k] = q[k] - seed_[k];
-    plane.unit = unit_for(plane.n);
+    plane.unit = unit_for(plane.n, 0);
     plane.h = 0.5 * set_norm(plane) / plane.unit;
     plane.id = id;
     plane.source = exact::Plane::bisector(q);

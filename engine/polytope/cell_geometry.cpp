@@ -22,7 +22,7 @@ namespace {
 constexpr double accepted_error = 5e-11;
 constexpr double smallest_volume = 1e-140;  // below this volume times position might underflow
 constexpr int ordinary_exponent = 100;      // of a size that needs no scaling
-constexpr int largest_exponent = 900;       // beyond this, parts of a cell may be subnormal
+constexpr int largest_exponent = 1000;      // of units whose inverse is a number
 
 template <class Real>
 double square(const Vector<Real>& a) {
@@ -129,8 +129,8 @@ int exponent_of(const Cell& cell, const CellFaces& faces) {
     for (const std::int32_t slot : faces.corners)
         for (const double x : cell.position(slot)) largest = std::max(largest, std::abs(x));
     if (!(largest > 0 && std::isfinite(largest))) return 0;
-    const int exponent = std::ilogb(largest), size = std::abs(exponent);
-    return size <= ordinary_exponent || size > largest_exponent ? 0 : exponent;
+    const int exponent = std::ilogb(largest);
+    return std::abs(exponent) <= ordinary_exponent ? 0 : std::clamp(exponent, -largest_exponent, largest_exponent);
 }
 
 // How the volume and the surface change when one corner moves. In a sum over the faces around it most of this cancels,

@@ -161,7 +161,10 @@ void CutCell::read_faces() {
             plane_[f] = bisectors++;
         }
         out_.faces.push_back({plane.id, plane.shift});
-        for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = plane.n[k] / plane.norm;
+        const int exponent = std::ilogb(largest(plane.n));  // squares of very short normals underflow
+        for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = std::scalbn(plane.n[k], -exponent);
+        const double norm = length3(unit_[f][0], unit_[f][1], unit_[f][2]);
+        for (double& x : unit_[f]) x /= norm;
         const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
         for (std::int32_t c = begin; c < end; ++c)
             add_half(faces_.corners[index(c)], faces_.corners[index(c + 1 == end ? begin : c + 1)],

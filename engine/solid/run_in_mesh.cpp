@@ -407,10 +407,19 @@ private:
             if (dropped_[e] == unsure) dropped_[e] = 1;
     }
 
-    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
+    // Gives both cells of a face the area that one of them has found: the one of less surface, whose errors are
+    // smaller. A cell that the mesh does not cut may not know of triangles on the face.
     void share_areas() {
+        if (!has_areas_) return;
+        constexpr double agreement = 0x1p-44;  // of the surface; beyond it triangles lie on the face
         auto& areas = result_.face_areas;
-        for (std::size_t k = 0; has_areas_ && k < rows(); ++k) {
+        std::vector<double> surface(rows());
+        for (std::size_t r = 0; r < rows(); ++r) {
+            surface[r] = result_.mesh_areas[r];
+            for (std::size_t e = at(cells_->indptr[r]); e < at(cells_->indptr[r + 1]); ++e)
+                if (dropped_[e] == 0) surface[r] += areas[e];
+        }
+        for (std::size_t k = 0; k < rows(); ++k) {
             const std::uint32_t r = order_[k];  // the rows of neighbors are then near in memory
             for (std::size_t e = at(cells_->indptr[r]); e < at(cells_->indptr[r + 1]); ++e) {
                 const std::int32_t seed = seed_of(r), neighbor = cells_->indices[e];
@@ -420,7 +429,10 @@ private:
                 if (other < 0 || dropped_[e] != 0) continue;
                 const std::size_t o = at(other), back = entry(o, seed, opposite(shift));
                 if (back == no_entry) continue;
-                const bool from_other = plain_[r] != 0 && plain_[o] == 0;
+                bool from_other = surface[o] < surface[r];
+                const bool one_is_plain = plain_[r] != plain_[o], is_smaller_plain = plain_[from_other ? o : r] != 0;
+                if (one_is_plain && is_smaller_plain)
+                    from_other ^= !(std::abs(areas[e] - areas[back]) <= agreement * surface[from_other ? r : o]);
                 areas[from_other ? e : back] = areas[from_other ? back : e];
             }
         }

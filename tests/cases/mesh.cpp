@@ -342,6 +342,33 @@ TEST_SUITE("cases") {
         CHECK(difference(votess::tessellate(points, options), votess::tessellate(points, in_box)) == "");
     }
 
+    TEST_CASE("mesh: cells of a small cluster in a corner are those of the box, each area to the digits of its cell") {
+        const Solid cube = test::cuboid(0, 1);
+        Options options = options_in(cube), in_box = options;
+        in_box.want.radii = true;
+        in_box.mesh.reset();
+        in_box.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+        for (const int exponent : {-20, -30, -45, -300, -905, -1000})
+            for (std::uint64_t number = 0; number < 10; ++number) {
+                CAPTURE(exponent);
+                CAPTURE(number);
+                Coordinates points = random_seeds(8, 0, 1, number);
+                for (double& x : points) x = std::ldexp(x, exponent);
+                if (number % 2 == 1) points[0] = points[1] = points[2] = 0.5;
+                const Tessellation t = votess::tessellate(points, options), box = votess::tessellate(points, in_box);
+                REQUIRE(std::ranges::equal(t.indptr(), box.indptr()));
+                CHECK(std::ranges::equal(t.indices(), box.indices()));
+                double worst = 0;  // of areas, in units of the surface of the cell
+                for (std::size_t i = 0; i < t.size() && exponent > -300; ++i)
+                    for (auto e = static_cast<std::size_t>(t.indptr()[i]);
+                         e < static_cast<std::size_t>(t.indptr()[i + 1]); ++e)
+                        worst =
+                            std::max(worst, std::abs(t.face_areas()[e] - box.face_areas()[e]) / box.surface_areas()[i]);
+                CHECK(worst < 1e-13);
+                CHECK(*std::ranges::min_element(box.security_radii()) > 0);
+            }
+    }
+
     TEST_CASE("mesh: the same cells for other orders, places, threads and vertices") {
         const Solid ring = test::torus(16, 8);
         const std::size_t n = test::by_size(400, 100);

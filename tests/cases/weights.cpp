@@ -111,6 +111,27 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("weights: the heaviest of seeds nearer to each other than squares of distances reach has all") {
+        const std::vector<double> weights{0.1, 0.2, 0};
+        for (const int exponent : {-100, -400, -512, -520, -700, -850, -910, -1000, -1074}) {
+            CAPTURE(exponent);
+            const double apart = std::ldexp(1.0, exponent);
+            const Coordinates points{0, 0, 0, 0, 0, apart, apart, 0, 0};
+            for (const bool polygons : {false, true})
+                for (const bool periodic : {false, true}) {
+                    CAPTURE(polygons);
+                    CAPTURE(periodic);
+                    Options options = test::all_options(test::unit_box());
+                    options.want.vertices = polygons;
+                    options.weights = weights;
+                    options.periodic = {periodic, periodic, periodic};
+                    const auto t = votess::tessellate(points, options);
+                    CHECK(t.stats().empty_cells == 2);
+                    CHECK(t.volumes()[1] == 1);
+                }
+        }
+    }
+
     TEST_CASE("weights: one seed buries 20,000 others") {
         const std::size_t count = test::by_size(20'000, 2000);
         test::Random random(3);
