@@ -58,5 +58,9 @@ def make_pairs(t: SeedCells) -> Pairs:
         v = np.take(places, j[part], axis=0) - np.take(places, i[part], axis=0)
         if shift is not None:
             v += shift[part] @ edges
-        vector[part], distance[part] = v, np.sqrt(np.einsum("pk,pk->p", v, v))
+        square = np.einsum("pk,pk->p", v, v)
+        vector[part], distance[part] = v, np.sqrt(square)
+        lost = ~((square > 1e-280) & (square < np.inf))  # squares leave the range of numbers long before lengths
+        if lost.any():
+            distance[part][lost] = np.hypot.reduce(v[lost], axis=1)
     return Pairs(i, j, shift, vector, distance, area)

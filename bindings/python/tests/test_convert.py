@@ -71,6 +71,9 @@ class Packages(unittest.TestCase):
         self.assertEqual(graph.nodes[3]["volume"], t.volumes[3])
         self.assertEqual(len(graph[60]), 0)
         self.assertNotIn("area", next(iter(vt.tessellate(uniform(9)).to_networkx().edges(data=True)))[2])
+        for apart in (1e-300, 1e-160, 1e-20, 1e200):  # squares of some are no numbers
+            two = vt.tessellate([(0, 0, 0), (0.75 * apart, apart, 0)], box=(0, 0, 0) + (max(1, 2 * apart),) * 3).pairs()
+            np.testing.assert_allclose(two.distance, 1.25 * apart, rtol=1e-15)
         # Two cells of 1 x 2 x 2 in a periodic cube share two faces, and touch images of themselves in y and z.
         both = vt.tessellate([(0.5, 1, 1), (1.5, 1, 1)], box=(0, 0, 0, 2, 2, 2), periodic=True, want="areas")
         both = both.to_networkx()
