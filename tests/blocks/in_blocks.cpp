@@ -7,14 +7,25 @@
 
 #include "distributed/blocks/messages.hpp"
 #include "input/settle.hpp"
+#include "support/arrays.hpp"
 namespace test {
 namespace {
 
 using namespace votess;
 
-template <class T>
-void put(std::vector<T>& to, const std::vector<T>& from, std::size_t place, std::size_t i, std::size_t each = 1) {
-    for (std::size_t k = 0; k < each && !from.empty(); ++k) to[each * place + k] = from[each * i + k];
+// Copies the values of cell i to a place among `size` cells.
+void put_cell(BlockCells& to, std::size_t place, std::size_t size, const BlockCells& from, std::size_t i, bool planar) {
+    for_row_arrays([&](const auto& array, std::size_t) {
+        const auto& values = array.of(from);
+        if (array.per != Per::cell || values.empty()) return;
+        const std::size_t each = components_of(array, planar);
+        auto& copies = array.of(to);
+        typename std::remove_cvref_t<decltype(copies)>::value_type none{};  // of seeds outside
+        if constexpr (std::is_floating_point_v<decltype(none)>)
+            if (array.name == "centroids") none = NAN;
+        if (copies.empty()) copies.resize(each * size, none);
+        for (std::size_t k = 0; k < each; ++k) copies[each * place + k] = values[each * i + k];
+    });
 }
 
 }  // namespace
@@ -102,22 +113,10 @@ InBlocks in_blocks(std::span<const double> given, const Options& options, std::s
     std::vector<std::pair<std::size_t, std::size_t>> where(size, {count, 0});
     for (std::size_t b = 0; b < count; ++b) {
         const BlockCells& from = cells[b];
-        if (!from.volumes.empty()) out.volumes.resize(size);
-        if (!from.centroids.empty()) out.centroids.resize(each * size, NAN);
-        if (!from.surface_areas.empty()) out.surface_areas.resize(size);
-        if (!from.security_radii.empty()) out.security_radii.resize(size);
-        if (!from.face_counts.empty()) out.face_counts.resize(size), out.edge_counts.resize(size);
         for (std::size_t i = 0; i < own[b].ids.size(); ++i) {
             const auto place = static_cast<std::size_t>(own[b].ids[i]);
             where[place] = {b, i};
-            out.status[place] = from.status[i];
-            if (!from.duplicate_of.empty()) out.duplicate_of[place] = from.duplicate_of[i];
-            put(out.volumes, from.volumes, place, i);
-            put(out.centroids, from.centroids, place, i, each);
-            put(out.surface_areas, from.surface_areas, place, i);
-            put(out.security_radii, from.security_radii, place, i);
-            put(out.face_counts, from.face_counts, place, i);
-            put(out.edge_counts, from.edge_counts, place, i);
+            put_cell(out, place, size, from, i, options.planar);
         }
     }
     out.indptr.assign(1, 0);
@@ -127,13 +126,14 @@ InBlocks in_blocks(std::span<const double> given, const Options& options, std::s
             for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]);
                  ++e) {
                 const std::int64_t id = from.indices[e];
-                out.indices.push_back(id);
                 if (from.owners[e] != (id < 0 ? -1 : id % 1000)) out.owners.push_back(from.owners[e]);  // wrong ones
-                for (std::size_t k = 0; k < each && !from.shifts.empty(); ++k)
-                    out.shifts.push_back(from.shifts[each * e + k]);
-                if (!from.face_areas.empty()) out.face_areas.push_back(from.face_areas[e]);
-                for (std::size_t k = 0; k < each && !from.face_normals.empty(); ++k)
-                    out.face_normals.push_back(from.face_normals[each * e + k]);
+                for_row_arrays([&](const auto& array, std::size_t) {
+                    const auto& values = array.of(from);
+                    if (array.per != Per::entry || values.empty()) return;
+                    const auto n = static_cast<std::ptrdiff_t>(components_of(array, options.planar));
+                    const auto at = values.begin() + n * static_cast<std::ptrdiff_t>(e);
+                    array.of(out).insert(array.of(out).end(), at, at + n);
+                });
             }
         }
         out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
@@ -158,24 +158,10 @@ std::string difference(const InBlocks& found, const Tessellation& t) {
             return text;
         }
     }
-    if (!std::ranges::equal(cells.shifts, t.shifts())) return "shifts differ";
     if (found.seeds == 0) return "";
-    if (!std::ranges::equal(cells.face_counts, t.face_counts())) return "counts of faces differ";
-    if (!std::ranges::equal(cells.edge_counts, t.edge_counts())) return "counts of edges differ";
-    if (!cells.face_areas.empty() && !std::ranges::equal(cells.face_areas, t.face_areas()))
-        return "areas differ in last digits";
-    if (!std::ranges::equal(cells.face_normals, t.face_normals())) return "normals differ in last digits";
-    if (!std::ranges::equal(cells.surface_areas, t.surface_areas())) return "surfaces differ in last digits";
-    if (!std::ranges::equal(cells.security_radii, t.security_radii())) return "security radii differ in last digits";
-    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-    if (!cells.centroids.empty() && !std::ranges::equal(cells.centroids, t.centroids(), same))
-        return "centroids differ in last digits";
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        const std::int64_t of = t.duplicate_of().empty() ? -1 : t.duplicate_of()[i];
-        if (cells.duplicate_of[i] != of) return "duplicates differ";
-        if (!cells.volumes.empty() && cells.volumes[i] != t.volumes()[i])
-            return "cell " + std::to_string(i) + ": the volume differs in its last digits";
-    }
+    for (std::size_t i = 0; i < t.size(); ++i)
+        if (const std::string array = different_cell(cells, i, t, i); !array.empty())
+            return "cell " + std::to_string(i) + ": " + array + " differs";
     return "";
 }
 

@@ -11,6 +11,7 @@
 
 #include "blocks/streamed.hpp"
 #include "input/settle.hpp"
+#include "support/arrays.hpp"
 #include "support/check.hpp"
 #include "support/in_plane.hpp"
 #include "support/random.hpp"
@@ -281,18 +282,8 @@ TEST_CASE("stream: damaged rows are found") {
     options.want.areas = options.list_walls = true;
     const auto whole = votess::tessellate(set.points, options);
     votess::BlockCells cells;
-    const auto copy = [](auto from, auto& to) { to.assign(from.begin(), from.end()); };
     const auto failure = [&](const auto& damage) {
-        copy(whole.status(), cells.status);
-        copy(whole.indptr(), cells.indptr);
-        copy(whole.indices(), cells.indices);
-        copy(whole.shifts(), cells.shifts);
-        copy(whole.face_areas(), cells.face_areas);
-        copy(whole.face_normals(), cells.face_normals);
-        copy(whole.volumes(), cells.volumes);
-        copy(whole.face_counts(), cells.face_counts);
-        copy(whole.edge_counts(), cells.edge_counts);
-        copy(whole.vertex_counts(), cells.vertex_counts);
+        test::copy_arrays(whole, cells);
         damage();
         const votess::StreamRows rows = votess::rows_of(cells);
         Halves halves(set);

@@ -16,10 +16,15 @@
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
+#include "support/vectors.hpp"
 
 namespace {
 
-using Vector = std::array<mpq_class, 3>;
+using test::determinant;
+using test::dot;
+using test::minus;
+using test::rational;
+using Vector = test::RationalVector;
 using Matrix = std::array<Vector, 3>;
 using Ids = std::vector<std::int32_t>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -43,22 +48,6 @@ votess::Options periodic_box(double side) {
     return options;
 }
 
-mpq_class dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector difference(const Vector& a, const Vector& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-mpq_class determinant(const Vector& a, const Vector& b, const Vector& c) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
-Vector exact(const double* x) {
-    return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
-}
-
 // The seeds of the complex, copies included, with their exact places.
 class Space {
 public:
@@ -69,15 +58,16 @@ public:
         const std::size_t count = points.size() / 3;
         Vector origin{};
         if (options.cell) {
-            origin = exact(options.cell->origin.data());
-            box_ = {exact(options.cell->a.data()), exact(options.cell->b.data()), exact(options.cell->c.data())};
+            origin = rational(options.cell->origin.data());
+            box_ = {rational(options.cell->a.data()), rational(options.cell->b.data()),
+                    rational(options.cell->c.data())};
         } else if (periodic_) {
-            origin = exact(options.box->lower.data());
-            const Vector upper = exact(options.box->upper.data());
+            origin = rational(options.box->lower.data());
+            const Vector upper = rational(options.box->upper.data());
             for (std::size_t k = 0; k < 3; ++k) box_[k][k] = upper[k] - origin[k];
         }
         std::vector<Vector> inside;
-        for (std::size_t i = 0; i < count; ++i) inside.push_back(wrapped(exact(&points[3 * i]), origin));
+        for (std::size_t i = 0; i < count; ++i) inside.push_back(wrapped(rational(&points[3 * i]), origin));
         for (int a = 0; a < replicate[0]; ++a)
             for (int b = 0; b < replicate[1]; ++b)
                 for (int c = 0; c < replicate[2]; ++c)
@@ -111,7 +101,7 @@ public:
             double distance = 0;
             for (std::size_t k = 0; k < 3; ++k) distance += (image.x[k] - c[k]) * (image.x[k] - c[k]);
             if (distance - image.w > radius + 1e-6 * (std::abs(radius) + distance + std::abs(image.w))) return true;
-            const Vector from = difference(image.place, center);
+            const Vector from = minus(image.place, center);
             return dot(from, from) - image.weight >= square;
         });
     }
@@ -124,7 +114,7 @@ private:
     }
     [[nodiscard]] Vector wrapped(const Vector& x, const Vector& origin) const {
         if (!periodic_) return x;
-        const Vector from = difference(x, origin);
+        const Vector from = minus(x, origin);
         const mpq_class volume = determinant(box_[0], box_[1], box_[2]);
         std::array<int, 3> shift{};
         for (std::size_t j = 0; j < 3; ++j) {
@@ -163,7 +153,7 @@ Sphere smallest_sphere(const std::vector<Vector>& places, const std::vector<mpq_
     const std::size_t n = places.size() - 1;
     std::vector<Vector> d;
     std::vector<std::vector<mpq_class>> rows(n);
-    for (std::size_t i = 0; i < n; ++i) d.push_back(difference(places[i + 1], places[0]));
+    for (std::size_t i = 0; i < n; ++i) d.push_back(minus(places[i + 1], places[0]));
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t j = 0; j < n; ++j) rows[i].push_back(2 * dot(d[i], d[j]));
         rows[i].push_back(dot(d[i], d[i]) + weights[0] - weights[i + 1]);
@@ -177,7 +167,7 @@ Sphere smallest_sphere(const std::vector<Vector>& places, const std::vector<mpq_
     Sphere sphere{places[0], 0};
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t k = 0; k < 3; ++k) sphere.center[k] += rows[i][n] / rows[i][i] * d[i][k];
-    const Vector from = difference(sphere.center, places[0]);
+    const Vector from = minus(sphere.center, places[0]);
     sphere.square = dot(from, from) - weights[0];
     return sphere;
 }
@@ -276,7 +266,7 @@ void check_alpha(const test::Coordinates& points, const votess::Options& options
             for (std::size_t i = 0; i < 4; ++i) {
                 std::vector<Vector> d;  // from seed i
                 for (std::size_t j = 0; j < 4; ++j)
-                    if (j != i) d.push_back(difference(s.places[j], s.places[i]));
+                    if (j != i) d.push_back(minus(s.places[j], s.places[i]));
                 const mpq_class turn = determinant(d[0], d[1], d[2]);
                 REQUIRE(turn != 0);
                 sides[without(s.seeds, i)].push_back(turn);
@@ -297,7 +287,7 @@ void check_alpha(const test::Coordinates& points, const votess::Options& options
             for (std::size_t i = 0; i < space.size(); ++i) {
                 const Vector seed = space.place(i, {});
                 const mpq_class turn =
-                    determinant(difference(corner[0], seed), difference(corner[1], seed), difference(corner[2], seed));
+                    determinant(minus(corner[0], seed), minus(corner[1], seed), minus(corner[2], seed));
                 REQUIRE((turns[0] > 0 ? turn >= 0 : turn <= 0));
             }
         }

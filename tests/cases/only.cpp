@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "support/arrays.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 #include "support/scattered.hpp"
@@ -21,32 +22,11 @@ using votess::Options;
 std::string difference(const votess::Tessellation& some, const votess::Tessellation& all,
                        const std::vector<std::int64_t>& ids) {
     if (some.size() != ids.size() || some.ids().size() != ids.size()) return "the number of rows";
-    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
     for (std::size_t k = 0; k < ids.size(); ++k) {
         const auto i = static_cast<std::size_t>(ids[k]);
         if (some.ids()[k] != ids[k]) return test::text("the id of row ", k);
-        if (some.status()[k] != all.status()[i]) return test::text("the status of ", i);
-        if ((some.duplicate_of().empty() ? -1 : some.duplicate_of()[k]) !=
-            (all.duplicate_of().empty() ? -1 : all.duplicate_of()[i]))
-            return test::text("the duplicate of ", i);
-        if (!std::ranges::equal(some.neighbors(k), all.neighbors(i))) return test::text("the neighbors of ", i);
-        if (!same(some.volumes()[k], all.volumes()[i])) return test::text("the volume of ", i);
-        if (!all.face_counts().empty() && some.face_counts()[k] != all.face_counts()[i])
-            return test::text("the faces of ", i);
-        for (const auto array : {&votess::Tessellation::surface_areas, &votess::Tessellation::mesh_areas})
-            if (const auto of_all = (all.*array)(); !of_all.empty() && !same((some.*array)()[k], of_all[i]))
-                return test::text("the surface of ", i);
-        const std::size_t each = all.planar() ? 2 : 3;
-        for (std::size_t c = 0; c < each; ++c)
-            if (!same(some.centroids()[each * k + c], all.centroids()[each * i + c]))
-                return test::text("the centroid of ", i);
-        const auto from = static_cast<std::size_t>(some.indptr()[k]), to = static_cast<std::size_t>(all.indptr()[i]);
-        for (std::size_t e = 0; e < some.neighbors(k).size(); ++e) {
-            if (some.face_areas()[from + e] != all.face_areas()[to + e]) return test::text("an area of ", i);
-            for (std::size_t c = 0; c < each && !all.shifts().empty(); ++c)
-                if (some.shifts()[each * (from + e) + c] != all.shifts()[each * (to + e) + c])
-                    return test::text("a shift of ", i);
-        }
+        if (const std::string array = test::different_cell(some, k, all, i); !array.empty())
+            return test::text(array, " of ", i);
     }
     return "";
 }

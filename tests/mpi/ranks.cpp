@@ -18,6 +18,7 @@
 
 #include "mpi/inputs.hpp"
 #include "mpi/verify.hpp"
+#include "support/arrays.hpp"
 
 namespace {
 
@@ -60,47 +61,23 @@ std::vector<int> owners_of(const Input& input, Share share, int ranks) {
 std::string difference(const votess::mpi::Result& result, const votess::Tessellation& t,
                        const std::vector<int>& owners) {
     const votess::BlockCells& cells = result.cells;
-    const std::size_t each = t.planar() ? 2 : 3;
     if (cells.indptr.size() != result.ids.size() + 1) return "indptr has another length";
-    const auto fits = [&](const auto& some, const auto& of_whole, std::size_t each) {
-        return some.size() == (of_whole.empty() ? 0 : each * result.ids.size());
-    };
-    if (!fits(cells.status, t.status(), 1) || !fits(cells.volumes, t.volumes(), 1) ||
-        !fits(cells.centroids, t.centroids(), each) || !fits(cells.surface_areas, t.surface_areas(), 1) ||
-        !fits(cells.security_radii, t.security_radii(), 1) || !fits(cells.face_counts, t.face_counts(), 1) ||
-        !fits(cells.edge_counts, t.edge_counts(), 1) || !fits(cells.vertex_counts, t.vertex_counts(), 1))
-        return "an array of cells has another length";
+    std::string longer;
+    test::for_common_arrays(cells, t, [&](const auto& array) {
+        if (array.per == votess::Per::cell && array.name != "duplicate_of" && !array.of(cells).empty() &&
+            array.of(cells).size() != components_of(array, t.planar()) * result.ids.size())
+            longer = array.name;
+    });
+    if (!longer.empty()) return "the array " + longer + " has another length";
     for (std::size_t k = 0; k < result.ids.size(); ++k) {
         const auto i = static_cast<std::size_t>(result.ids[k]);
         const std::string cell = "cell " + std::to_string(i) + ": ";
-        const auto begin = static_cast<std::size_t>(cells.indptr[k]),
-                   end = static_cast<std::size_t>(cells.indptr[k + 1]), first = static_cast<std::size_t>(t.indptr()[i]);
-        if (cells.status[k] != t.status()[i]) return cell + "the status differs";
-        if ((cells.duplicate_of.empty() ? -1 : cells.duplicate_of[k]) !=
-            (t.duplicate_of().empty() ? -1 : t.duplicate_of()[i]))
-            return cell + "it is a duplicate of another";
-        if (!std::ranges::equal(std::span(cells.indices).subspan(begin, end - begin), t.neighbors(i)))
-            return cell + "the neighbors differ";
-        const auto areas = t.face_areas().subspan(first, end - begin);
-        for (std::size_t e = begin; e < end; ++e) {
-            const std::int64_t id = cells.indices[e];
-            if (cells.owners[e] != (id < 0 ? -1 : owners[static_cast<std::size_t>(id)])) return cell + "a wrong owner";
-            if (cells.face_areas[e] != areas[e - begin]) return cell + "an area differs";
-        }
-        if (!t.shifts().empty() &&
-            !std::ranges::equal(std::span(cells.shifts).subspan(each * begin, each * (end - begin)),
-                                t.shifts().subspan(each * first, each * (end - begin))))
-            return cell + "the shifts differ";
-        if (cells.face_counts[k] != t.face_counts()[i]) return cell + "the number of faces differs";
-        if (cells.volumes[k] != t.volumes()[i]) return cell + "the volume differs";
-        if (!cells.surface_areas.empty() && cells.surface_areas[k] != t.surface_areas()[i])
-            return cell + "the surface area differs";
-        if (!cells.security_radii.empty() && cells.security_radii[k] != t.security_radii()[i])
-            return cell + "the security radius differs";
-        for (std::size_t d = 0; d < each; ++d) {
-            const double a = cells.centroids[each * k + d], b = t.centroids()[each * i + d];
-            if (a != b && !(std::isnan(a) && std::isnan(b))) return cell + "the centroid differs";
-        }
+        for (auto e = static_cast<std::size_t>(cells.indptr[k]); e < static_cast<std::size_t>(cells.indptr[k + 1]); ++e)
+            if (const std::int64_t id = cells.indices[e];
+                cells.owners[e] != (id < 0 ? -1 : owners[static_cast<std::size_t>(id)]))
+                return cell + "a wrong owner";
+        if (const std::string array = test::different_cell(cells, k, t, i); !array.empty())
+            return cell + array + " differs";
     }
     return "";
 }

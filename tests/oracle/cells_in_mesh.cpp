@@ -20,14 +20,12 @@ using test::dot;
 using test::doubled_area;
 using test::exact_polygons;
 using test::ExactPolygon;
+using test::minus;
+using test::opposite;
 using test::RationalVector;
 using test::Solid;
 using votess::Options;
 using Corners = std::vector<RationalVector>;
-
-RationalVector minus(const RationalVector& a, const RationalVector& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 
 struct Part {
     mpq_class volume;
@@ -49,11 +47,6 @@ void add_cone(Part& part, const RationalVector& apex, const Corners& polygon, in
 
 double length(const RationalVector& v) {
     return std::sqrt(mpq_class(dot(v, v)).get_d());
-}
-
-RationalVector opposite(RationalVector v) {
-    for (mpq_class& x : v) x = -x;
-    return v;
 }
 
 struct FacePart {

@@ -49,10 +49,7 @@ public:
         std::vector<IntegerPlane> planes;
         std::vector<ExactFace> listed;
         for (std::size_t k = 0; k < row.size(); ++k) {
-            ExactFace face{row[k], {}};
-            if (!t_.shifts().empty())
-                std::copy_n(t_.shifts().data() + 3 * (static_cast<std::size_t>(t_.indptr()[i]) + k), 3,
-                            face.shift.begin());
+            const ExactFace face = face_of(t_, i, k);
             if (!listed.empty() && !(listed.back() < face)) return "has a row that does not ascend";
             listed.push_back(face);
             if (face.id < 0) continue;
@@ -314,13 +311,7 @@ std::string check_certificate(const votess::Tessellation& t, std::span<const dou
     for (const std::size_t i : cells)
         if (const std::string wrong = judge.cell(i); !wrong.empty()) {
             std::string row;
-            for (std::size_t k = 0; k < t.neighbors(i).size(); ++k) {
-                ExactFace face{t.neighbors(i)[k], {}};
-                if (!t.shifts().empty())
-                    std::copy_n(t.shifts().data() + 3 * (static_cast<std::size_t>(t.indptr()[i]) + k), 3,
-                                face.shift.begin());
-                row += ' ' + name(face);
-            }
+            for (std::size_t k = 0; k < t.neighbors(i).size(); ++k) row += ' ' + name(face_of(t, i, k));
             return text("cell ", i, ' ', wrong, "; listed are", row, judge.exact_row(i));
         }
     return "";

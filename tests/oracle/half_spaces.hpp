@@ -24,6 +24,9 @@ struct ExactDomainCell {
     double volume = 0;
 };
 
+// Returns the face that a row lists at place k.
+ExactFace face_of(const votess::Tessellation& t, std::size_t i, std::size_t k);
+
 // reach: images by -reach .. reach along each periodic axis are looked at, from where the seeds lie inside the box;
 // none: those that can touch the cell. options: box, periodic, cell, planes and weights.
 ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i,

@@ -45,10 +45,6 @@ mpz_class nearest(const mpz_class& a, const mpz_class& b) {
 
 }  // namespace
 
-Integers cross(const Integers& a, const Integers& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 IntegerDomain::IntegerDomain(std::span<const double> points, const votess::Options& options)
     : has_cell_(options.cell.has_value()) {
     const std::size_t count = points.size() / 3;

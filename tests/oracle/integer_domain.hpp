@@ -11,15 +11,11 @@
 #include <votess/votess.hpp>
 
 #include "oracle/half_spaces.hpp"
+#include "support/vectors.hpp"
 
 namespace test {
 
-using Integers = std::array<mpz_class, 3>;
-
-inline mpz_class dot(const Integers& a, const Integers& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Integers cross(const Integers& a, const Integers& b);
+using Integers = VectorOf<mpz_class>;
 
 // A half-space n.x <= h, of x relative to a seed.
 struct IntegerPlane {

@@ -17,18 +17,8 @@ namespace test {
 constexpr mp_bitcnt_t digits = 512, many_digits = 4096;
 
 using Real = mpf_class;
-using Reals = std::array<Real, 3>;
-using Doubles = std::array<double, 3>;
-
-inline Real dot(const Reals& a, const Reals& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-inline Reals cross(const Reals& a, const Reals& b) {
-    return {Real(a[1] * b[2] - a[2] * b[1]), Real(a[2] * b[0] - a[0] * b[2]), Real(a[0] * b[1] - a[1] * b[0])};
-}
-inline Reals minus(const Reals& a, const Reals& b) {
-    return {Real(a[0] - b[0]), Real(a[1] - b[1]), Real(a[2] - b[2])};
-}
+using Reals = VectorOf<Real>;
+using Doubles = VectorOf<double>;
 
 inline std::string name(const ExactFace& face) {
     const auto& s = face.shift;
@@ -68,10 +58,6 @@ inline RoundedPlane rounded(const IntegerPlane& plane) {
 bool surely_outside(const std::vector<RoundedPlane>& planes, const std::vector<std::size_t>& order, std::size_t a,
                     std::size_t b, std::size_t c) {
     constexpr double slack = 1e-13, underflow = 1e-290;
-    const auto cross = [](const Doubles& u, const Doubles& v) -> Doubles {
-        return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    };
-    const auto dot = [](const Doubles& u, const Doubles& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; };
     const Doubles ab = cross(planes[a].n, planes[b].n), bc = cross(planes[b].n, planes[c].n),
                   ca = cross(planes[c].n, planes[a].n);
     const double w = dot(ab, planes[c].n), sign = w < 0 ? -1 : 1;
@@ -94,7 +80,7 @@ inline std::vector<Vertex> find_vertices(const std::vector<IntegerPlane>& planes
     for (std::size_t a = 0; a < planes.size(); ++a)
         for (std::size_t b = a + 1; b < planes.size(); ++b) {
             const Integers along = cross(planes[a].n, planes[b].n);
-            if (along[0] == 0 && along[1] == 0 && along[2] == 0) continue;
+            if (is_zero(along)) continue;
             for (std::size_t c = b + 1; c < planes.size(); ++c) {
                 if (surely_outside(by_doubles, order, a, b, c)) continue;
                 Vertex v;
@@ -105,7 +91,7 @@ inline std::vector<Vertex> find_vertices(const std::vector<IntegerPlane>& planes
                     v.x[k] = planes[a].h * bc[k] + planes[b].h * ca[k] + planes[c].h * along[k];
                 if (v.w < 0) {
                     v.w = -v.w;
-                    for (mpz_class& x : v.x) x = -x;
+                    v.x = opposite(v.x);
                 }
                 bool inside = true;
                 for (std::size_t o = 0; o < order.size() && inside; ++o) {
@@ -189,12 +175,10 @@ inline std::vector<Face> find_faces(const std::vector<IntegerPlane>& planes, con
 // Whether any corner lies beyond the plane. touching: corners on it.
 inline bool cuts(const IntegerPlane& plane, const std::vector<Vertex>& vertices, int& touching) {
     const Doubles n = rounded(plane.n);
-    const double h = plane.h.get_d(), length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    const double h = plane.h.get_d(), length = std::sqrt(dot(n, n));
     touching = 0;
     for (const Vertex& v : vertices) {
-        const double s = n[0] * v.rounded[0] + n[1] * v.rounded[1] + n[2] * v.rounded[2] - h;
-        const double size =
-            std::sqrt(v.rounded[0] * v.rounded[0] + v.rounded[1] * v.rounded[1] + v.rounded[2] * v.rounded[2]);
+        const double s = dot(n, v.rounded) - h, size = std::sqrt(dot(v.rounded, v.rounded));
         const double error = 1e-14 * (length * size + std::abs(h));
         if (s < -error) continue;
         const int exact = s > error ? 1 : side(plane, v);
@@ -211,8 +195,7 @@ inline bool hides(const IntegerPlane& a, const IntegerPlane& b) {
 }
 
 inline bool coincide(const IntegerPlane& a, const IntegerPlane& b) {
-    const Integers turned = cross(a.n, b.n);
-    if (turned[0] != 0 || turned[1] != 0 || turned[2] != 0 || dot(a.n, b.n) <= 0) return false;
+    if (!is_zero(cross(a.n, b.n)) || dot(a.n, b.n) <= 0) return false;
     return a.h * dot(b.n, b.n) == b.h * dot(a.n, b.n);
 }
 

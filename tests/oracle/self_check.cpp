@@ -6,6 +6,7 @@
 
 #include "oracle/certificate.hpp"
 #include "oracle/half_spaces.hpp"
+#include "support/arrays.hpp"
 #include "support/check.hpp"
 #include "support/scattered.hpp"
 
@@ -43,6 +44,31 @@ TEST_SUITE("oracle") {
         CHECK(row(0) == std::vector<std::int32_t>{-6, -5, -3, -1, 1, 2, 3});
         CHECK(test::check_certificate(touching, square.points, options) != "");
         CHECK(test::check_certificate(test::run(square), square.points, options) == "");
+    }
+
+    TEST_CASE("oracles: comparisons name the array that differs") {
+        test::PointSet set = test::uniform(30, 2);
+        set.points.insert(set.points.end(), set.points.begin(), set.points.begin() + 3);  // a duplicate
+        votess::Options options = test::all_options(set.box);
+        options.periodic = {true, true, true};
+        options.want.normals = options.want.surfaces = options.want.radii = true;
+        const auto t = test::run(set, options);
+        votess::RowArrays<votess::detail::Vector> rows;
+        test::copy_arrays(t, rows);
+        CHECK(test::different_array(rows, t, test::same_bits) == "");
+        CHECK(test::different_cell(rows, 0, t, 0) == "");
+        votess::for_row_arrays([&](const auto& array, std::size_t) {
+            auto& value = array.of(rows).at(0);
+            const auto old = value;
+            if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(value)>>)
+                value = votess::CellStatus::empty;
+            else
+                ++value;
+            CHECK(test::different_array(rows, t) == array.name);
+            CHECK(test::different_cell(rows, 0, t, 0) == array.name);
+            CHECK(test::different_cell(rows, 1, t, 1) == "");
+            value = old;
+        });
     }
 
     TEST_CASE("oracles: seeds far outside of an oblique cell have all images that touch") {

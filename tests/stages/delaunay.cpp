@@ -21,6 +21,7 @@
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
+#include "support/vectors.hpp"
 #include "triangulate/power_sites.hpp"
 #include "triangulate/triangulation.hpp"
 
@@ -30,22 +31,16 @@ using votess::exact::Point;
 
 namespace {
 
-using Rational = std::array<mpq_class, 3>;
+using test::determinant;
+using test::minus;
+using Rational = test::RationalVector;
 
 Rational rational_point(const Point& p) {
-    return {mpq_class(p[0]), mpq_class(p[1]), mpq_class(p[2])};
-}
-
-Rational minus(const Rational& a, const Rational& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-mpq_class determinant(const Rational& a, const Rational& b, const Rational& c) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    return test::rational(p.data());
 }
 
 mpq_class square(const Rational& a) {
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    return test::dot(a, a);
 }
 
 // The circumsphere by its center, unlike the engine's lifting. With weights, of equal powers instead of distances.

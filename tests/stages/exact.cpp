@@ -75,7 +75,7 @@ Plane between(const Point& p, const Plane& a, const Plane& b) {
 }
 
 // Checks that the error is at most 2^-52 of the length.
-void check_near(const Point& found, const mpq_class (&x)[3]) {
+void check_near(const Point& found, const test::RationalVector& x) {
     mpq_class square, error;
     for (int k = 0; k < 3; ++k) {
         const mpq_class off = mpq_class(found[k]) - x[k];
@@ -85,7 +85,7 @@ void check_near(const Point& found, const mpq_class (&x)[3]) {
 }
 
 // Checks the vertex of three planes, rounded and in two doubles, where it has a relative error.
-void check_position(const Point& p, const Plane& a, const Plane& b, const Plane& c, const mpq_class (&x)[3]) {
+void check_position(const Point& p, const Plane& a, const Plane& b, const Plane& c, const test::RationalVector& x) {
     const auto position = votess::exact::vertex_position<double>(p, a, b, c);
     const auto quad = votess::exact::vertex_position<votess::exact::Quad>(p, a, b, c);
     double largest = 0;
@@ -137,7 +137,7 @@ TEST_SUITE("stages") {
                 const Point p{coordinate(), coordinate(), coordinate()};
                 const Plane a = random_plane(random, coordinate), b = random_plane(random, coordinate),
                             c = random_plane(random, coordinate);
-                mpq_class x[3];
+                test::RationalVector x;
                 if (!test::solve(rational(p, a), rational(p, b), rational(p, c), x)) continue;
                 ++solved;
                 check_position(p, a, b, c, x);
@@ -174,7 +174,7 @@ TEST_SUITE("stages") {
                     return through;
                 };
                 const Plane a = plane(), b = plane(), c = plane();
-                mpq_class x[3];
+                test::RationalVector x;
                 if (!test::solve(rational(p, a), rational(p, b), rational(p, c), x)) continue;
                 ++solved;
                 for (int k = 0; k < 12; ++k) {
@@ -220,7 +220,7 @@ TEST_SUITE("stages") {
                                                  : Plane::lower(k, -at);
                 if (i >= walls && random.chance(0.3)) planes[i].power = {coordinate(), 0};
             }
-            mpq_class x[3];
+            test::RationalVector x;
             if (!test::solve(rational(p, planes[0]), rational(p, planes[1]), rational(p, planes[2]), x)) continue;
             ++solved;
             for (int d = 0; d < 6; ++d) {
@@ -286,7 +286,7 @@ TEST_SUITE("stages") {
                 for (int k = 0; k < 3; ++k) planes[i].seed[k] = planes[0].seed[k] + apart * random.uniform(-1, 1);
             }
             if (random.chance(0.3)) planes[0].power = {random.uniform(-1, 1), 0x1p-60 * random.uniform(-1, 1)};
-            mpq_class x[3];
+            test::RationalVector x;
             if (!test::solve(rational(p, planes[0]), rational(p, planes[1]), rational(p, planes[2]), x)) continue;
             INFO("set ", s);
             check_near(votess::exact::near_vertex(p, planes[0], planes[1], planes[2]), x);

@@ -62,7 +62,8 @@ struct Counts {
 
 // The hull by definition, in the plane of the dual points N / (N.w) with one coordinate left out: i and j are ends of
 // a side when every other point is strictly left of it or on the open segment. Of equal points the first counts.
-std::vector<int> hull_by_definition(const std::vector<RationalPlane>& planes, const mpq_class (&w)[3], Counts& counts) {
+std::vector<int> hull_by_definition(const std::vector<RationalPlane>& planes, const test::RationalVector& w,
+                                    Counts& counts) {
     struct Dual {
         mpq_class x, y;
         bool operator==(const Dual& o) const { return x == o.x && y == o.y; }
@@ -209,7 +210,7 @@ TEST_SUITE("stages") {
                 continue;
             }
             // The inside of all planes seen from c: towards p, and away from walls through p.
-            mpq_class w[3];
+            test::RationalVector w;
             for (int k = 0; k < 3; ++k) w[k] = corner.c[k] - corner.p[k];
             for (const Plane& plane : corner.planes) {
                 if (plane.kind == Plane::Kind::bisector || plane.wall != corner.p[plane.axis]) continue;
@@ -359,7 +360,7 @@ TEST_SUITE("stages") {
             INFO("set ", s);
             REQUIRE(begin(tied, seeds));
             const auto plane = [&](const Point& q) { return Plane::bisector(q); };
-            mpq_class vertex[3];
+            test::RationalVector vertex;
             REQUIRE(test::solve(rational(seeds[0], plane(seeds[1])), rational(seeds[0], plane(seeds[2])),
                                 rational(seeds[0], plane(seeds[3])), vertex));
             for (std::size_t k = 4; k < seeds.size(); ++k) {
@@ -415,10 +416,10 @@ TEST_SUITE("stages") {
             if (random.chance(0.5))  // nearly in their plane
                 for (int k = 0; k < 3; ++k)
                     c[k] = a[k] / 2 + b[k] / 4 + (random.chance(0.2) ? random.integer(-1, 1) : 0);
-            const auto exact = [](const WordVector& v, mpq_class(&out)[3]) {
+            const auto exact = [](const WordVector& v, test::RationalVector& out) {
                 for (int k = 0; k < 3; ++k) out[k] = mpq_class(std::to_string(v[k]));
             };
-            mpq_class u[3], v[3], w[3];
+            test::RationalVector u, v, w;
             exact(a, u), exact(b, v), exact(c, w);
             const WordCross cross(a, b);
             const int turn = cross.turn(c);

@@ -231,7 +231,7 @@ TEST_SUITE("stages") {
                 if (walled) continue;
                 for (std::size_t v = 0; v < faces_of.size(); ++v) {
                     const auto& faces = faces_of[v];
-                    mpq_class exact[3];
+                    test::RationalVector exact;
                     if (faces.size() != 3 || !test::solve(planes[faces[0]], planes[faces[1]], planes[faces[2]], exact))
                         continue;
                     ++vertices;

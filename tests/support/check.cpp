@@ -12,6 +12,7 @@
 #include "oracle/certificate.hpp"
 #include "oracle/half_spaces.hpp"
 #include "polytope/cell_kernels.hpp"
+#include "support/arrays.hpp"
 #include "support/text.hpp"
 
 namespace test {
@@ -24,12 +25,6 @@ std::string text_row(std::span<const std::int32_t> row) {
     for (std::size_t k = 0; k < row.size(); ++k) out << (k ? " " : "") << row[k];
     out << ']';
     return out.str();
-}
-
-template <class T>
-bool equal(std::span<const T> a, std::span<const T> b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](T x, T y) { return x == y || (x != x && y != y); });  // NaN equals NaN
 }
 
 bool is_duplicate(const votess::Tessellation& t, std::size_t i) {
@@ -180,38 +175,33 @@ std::string check_invariants(const votess::Tessellation& t, std::span<const doub
 
 namespace {
 
+// Returns the first row that differs, or a number that is not less than those of both.
+std::size_t first_other_row(const votess::Tessellation& a, const votess::Tessellation& b) {
+    std::size_t i = 0;
+    while (i < std::min(a.size(), b.size()) && std::ranges::equal(a.neighbors(i), b.neighbors(i))) ++i;
+    return i;
+}
+
+// Arrays of whole numbers, and normals.
 std::string check_lists(const votess::Tessellation& a, const votess::Tessellation& b) {
-    if (!equal(a.indptr(), b.indptr()) || !equal(a.indices(), b.indices())) {
-        for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-            if (!equal(a.neighbors(i), b.neighbors(i)))
-                return text("row ", i, ": ", text_row(a.neighbors(i)), " and ", text_row(b.neighbors(i)));
-        return "rows differ in number";
-    }
-    if (!equal(a.face_counts(), b.face_counts())) return "face counts differ";
-    if (!equal(a.edge_counts(), b.edge_counts())) return "edge counts differ";
-    if (!equal(a.vertex_counts(), b.vertex_counts())) return "vertex counts differ";
-    if (!equal(a.status(), b.status())) return "statuses differ";
-    if (!equal(a.duplicate_of(), b.duplicate_of())) return "duplicate_of differs";
-    if (!equal(a.shifts(), b.shifts())) return "shifts differ";
-    if (!equal(a.face_normals(), b.face_normals())) return "normals differ";
-    if (!equal(a.face_offsets(), b.face_offsets())) return "face offsets differ";
-    if (!equal(a.face_vertices(), b.face_vertices())) return "polygons differ";
-    if (!equal(a.cell_vertex_indptr(), b.cell_vertex_indptr())) return "vertex rows differ";
-    if (!equal(a.cell_vertex_indices(), b.cell_vertex_indices())) return "vertices of cells differ";
-    return "";
+    if (const auto row = first_other_row(a, b); row < std::min(a.size(), b.size()))
+        return text("row ", row, ": ", text_row(a.neighbors(row)), " and ", text_row(b.neighbors(row)));
+    std::string differs;
+    for_common_arrays(a, b, [&](const auto& array) {
+        using Element = std::remove_cvref_t<decltype(array.of(a)[0])>;
+        if (std::is_floating_point_v<Element> && array.name != "face_normals") return;
+        if (differs.empty() && !std::ranges::equal(array.of(a), array.of(b), same_number))
+            differs = text(array.name, " differs");
+    });
+    return differs;
 }
 
 }  // namespace
 
 std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b) {
     if (const std::string lists = check_lists(a, b); !lists.empty()) return lists;
-    if (!equal(a.face_areas(), b.face_areas())) return "face areas differ";
-    if (!equal(a.volumes(), b.volumes())) return "volumes differ";
-    if (!equal(a.centroids(), b.centroids())) return "centroids differ";
-    if (!equal(a.surface_areas(), b.surface_areas())) return "surface areas differ";
-    if (!equal(a.security_radii(), b.security_radii())) return "security radii differ";
-    if (!equal(a.vertices(), b.vertices())) return "vertices differ";
-    return "";
+    const std::string differs = different_array(a, b);
+    return differs.empty() ? "" : text(differs, " differs");
 }
 
 namespace {
@@ -247,9 +237,6 @@ std::string derived(const votess::Tessellation& t) {
 
 std::string check_same_result(const votess::Tessellation& a, const votess::Tessellation& b) {
     if (const std::string arrays = check_identical(a, b); !arrays.empty()) return arrays;
-    if (!equal(a.mesh_areas(), b.mesh_areas())) return "mesh areas differ";
-    if (!equal(a.ids(), b.ids())) return "ids differ";
-    if (!equal(a.weights(), b.weights())) return "weights differ";
     if (a.box().lower != b.box().lower || a.box().upper != b.box().upper) return "boxes differ";
     if (a.periodic() != b.periodic()) return "periodic axes differ";
     if (a.cell().has_value() != b.cell().has_value()) return "one has a cell";

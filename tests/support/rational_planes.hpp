@@ -5,6 +5,7 @@
 
 #include "exact/predicate.hpp"
 #include "support/random.hpp"
+#include "support/vectors.hpp"
 
 namespace test {
 
@@ -12,7 +13,8 @@ using votess::exact::Plane;
 using votess::exact::Point;
 
 struct RationalPlane {
-    mpq_class n[3], h;  // n.x = h
+    RationalVector n;
+    mpq_class h;  // n.x = h
 };
 
 inline RationalPlane rational(const Point& p, const Plane& plane) {
@@ -35,12 +37,8 @@ inline RationalPlane rational(const Point& p, const Plane& plane) {
     return r;
 }
 
-inline mpq_class determinant(const mpq_class* a, const mpq_class* b, const mpq_class* c) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
 // Cramer's rule column by column, unlike the engine's cross products. False when the planes meet in no single point.
-inline bool solve(const RationalPlane& a, const RationalPlane& b, const RationalPlane& c, mpq_class (&x)[3]) {
+inline bool solve(const RationalPlane& a, const RationalPlane& b, const RationalPlane& c, RationalVector& x) {
     const mpq_class d = determinant(a.n, b.n, c.n);
     if (d == 0) return false;
     for (int k = 0; k < 3; ++k) {
@@ -61,8 +59,8 @@ inline Plane random_plane(Random& random, const auto& coordinate) {
 }
 
 // Which side of `plane` x lies on: +1 outside.
-inline int side_of(const mpq_class (&x)[3], const RationalPlane& plane) {
-    return sgn(mpq_class(plane.n[0] * x[0] + plane.n[1] * x[1] + plane.n[2] * x[2] - plane.h));
+inline int side_of(const RationalVector& x, const RationalPlane& plane) {
+    return sgn(mpq_class(dot(plane.n, x) - plane.h));
 }
 
 }  // namespace test

@@ -86,6 +86,19 @@ def once(t):
     return faces
 
 
+def is_closed(triangles):
+    """Returns whether each edge of rows of corners occurs once in each direction."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    forth, counts = np.unique(edges, axis=0, return_counts=True)
+    return bool((counts == 1).all()) and np.array_equal(forth, np.unique(edges[:, ::-1], axis=0))
+
+
+def enclosed(places):
+    """Returns the volume inside closed triangles, (T, 3, 3) places of their corners."""
+    a, b, c = np.moveaxis(places - places[0, 0], 1, 0)
+    return np.einsum("tk,tk->", a, np.cross(b, c)) / 6
+
+
 class Folder(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

@@ -7,7 +7,7 @@ import unittest
 import warnings
 
 import numpy as np
-from helpers import CELL, CUBE, ELL, UNIT_BOX, Folder, cells, have, lattice, uniform
+from helpers import CELL, CUBE, ELL, UNIT_BOX, Folder, cells, enclosed, have, is_closed, lattice, uniform
 
 import pyvotess as vt
 
@@ -271,12 +271,7 @@ class Foam(FoamFolder):
         everything = [tuple(sorted(triangle)) for face in triangles.values() for triangle in face.tolist()]
         self.assertEqual(len(everything), len(set(everything)))
         for _, faces in hulls.values():
-            edges = [
-                (a, b) if face > 0 else (b, a)
-                for face in faces for x, y, z in triangles[abs(face)].tolist() for a, b in ((x, y), (y, z), (z, x))
-            ]  # fmt: skip
-            self.assertEqual(sorted(edges), sorted((b, a) for a, b in edges))
-            self.assertEqual(len(edges), len(set(edges)))
+            self.assertTrue(is_closed(np.concatenate([triangles[abs(f)][:, :: 1 if f > 0 else -1] for f in faces])))
 
     def test_triangles_of_collapsed_cells(self):
         """Relaxed sets have many short edges. Their faces share more than a side where one vanished between them."""
@@ -686,12 +681,10 @@ class Stl(Folder):
                 normals, corners = numbers[:, 0], numbers[:, 1:]
                 area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
                 np.testing.assert_allclose(np.linalg.norm(area, axis=1)[:, None] * normals, area, atol=1e-14)
-                a, b, c = np.moveaxis(corners - t.centroids[i], 1, 0)
-                np.testing.assert_allclose(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, t.volumes[i], rtol=1e-12)
+                np.testing.assert_allclose(enclosed(corners), t.volumes[i], rtol=1e-12)
+                numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)[1]
+                self.assertTrue(is_closed(numbers.reshape(-1, 3)))
                 places = [tuple(map(tuple, f)) for f in corners]
-                edges = [(f[k], f[(k + 1) % 3]) for f in places for k in range(3)]
-                self.assertEqual(set(edges), {e[::-1] for e in edges}, "closed")
-                self.assertEqual(len(edges), len(set(edges)))
                 for f in places:
                     seen.setdefault(frozenset(f), []).append(i)
             if not any(t.periodic):
@@ -709,8 +702,7 @@ class Stl(Folder):
         volumes = []
         for facets in re.findall(r"solid \d+\n(.*?)endsolid", (self.folder / "a.stl").read_text(), re.S):
             corners = np.array(re.findall(r"vertex (\S+) (\S+) (\S+)", facets), float).reshape(-1, 3, 3)
-            a, b, c = np.moveaxis(corners - corners[0, 0], 1, 0)
-            volumes.append(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+            volumes.append(enclosed(corners))
         q = t.mesh_quality(min_edge=length)
         self.assertEqual(q.wrong_cells, sum(v <= 0 for v in volumes))
         self.assertLessEqual(q.min_volume, min(volumes) + 1e-14)
@@ -736,7 +728,7 @@ class Stl(Folder):
         """Corners that rounding sets apart become one: the cells are those of the lattice."""
         half = np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])
         rng = np.random.default_rng(1)
-        for m in (3, 4, 5, 6, 7, 10):
+        for m in (3, 4, 5, 6, 7):
             grid = np.stack(np.meshgrid(*3 * [np.arange(m) / m], indexing="ij"), -1).reshape(-1, 3)
             for name, cell, faces in (("fcc", half, 12), ("bcc", np.array([[0, 0, 0], [0.5, 0.5, 0.5]]), 14), ("cubic", half[:1], 6)):
                 points = np.concatenate([grid + offset / m for offset in cell])
@@ -762,11 +754,8 @@ class Msh(Folder):
             for i, (group, hull) in zip(held, hulls.values()):
                 self.assertEqual(names[3, group], f"cell {i}")
                 corners = np.concatenate([triangles[abs(s)][:, :: 1 if s > 0 else -1] for s in hull])
-                edges = [tuple(e) for k in range(3) for e in np.stack((corners[:, k], corners[:, (k + 1) % 3]), 1).tolist()]
-                self.assertEqual(set(edges), {(b, a) for a, b in edges}, "closed")
-                self.assertEqual(len(edges), len(set(edges)))
-                a, b, c = (nodes[corners[:, k]] - t.centroids[i] for k in range(3))
-                np.testing.assert_allclose(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, t.volumes[i], rtol=1e-12)
+                self.assertTrue(is_closed(corners))
+                np.testing.assert_allclose(enclosed(nodes[corners]), t.volumes[i], rtol=1e-12)
                 for s in hull:
                     if re.fullmatch(r"\d+ \d+", names[2, groups[abs(s)]]):
                         self.assertIn(str(i), names[2, groups[abs(s)]].split())

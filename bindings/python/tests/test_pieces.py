@@ -4,32 +4,18 @@ import json
 import pickle
 import re
 import struct
-import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from pathlib import Path
 
 import numpy as np
-from helpers import CUBE, uniform
+from helpers import CUBE, Folder, enclosed, is_closed, uniform
 
 import pyvotess as vt
 
 CORNERS, TRIANGLES = CUBE
 # A cube above another, so that a cell around both has two pieces.
 TWO_CUBES = (np.concatenate([CORNERS, CORNERS + (0, 0, 2)]), np.concatenate([TRIANGLES, TRIANGLES + 8]))
-
-
-def volume(vertices, triangles):
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    return np.einsum("tk,tk->", a, np.cross(b, c)) / 6
-
-
-def is_closed(triangles):
-    """Returns whether each edge occurs once in each direction."""
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    forth, counts = np.unique(edges, axis=0, return_counts=True)
-    return bool((counts == 1).all()) and np.array_equal(forth, np.unique(edges[:, ::-1], axis=0))
 
 
 def read_glb(path):
@@ -59,12 +45,7 @@ def read_glb(path):
     return objects
 
 
-class TestPieces(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class TestPieces(Folder):
     def test_arrays(self):
         points = uniform(60, 5)
         t = vt.tessellate(points, mesh=CUBE, want="areas,volumes", device="cpu")
@@ -75,7 +56,7 @@ class TestPieces(unittest.TestCase):
         np.testing.assert_allclose(pieces.volumes, t.volumes, rtol=1e-12)
         for k, piece in enumerate(pieces):
             self.assertTrue(is_closed(piece.triangles))
-            self.assertAlmostEqual(volume(piece.vertices, piece.triangles), t.volumes[k], places=14)
+            self.assertAlmostEqual(enclosed(piece.vertices[piece.triangles]), t.volumes[k], places=14)
             beyond = np.unique(piece.sources[~piece.on_surface])
             np.testing.assert_array_equal(beyond, t.neighbors[k])
             self.assertTrue((piece.sources[piece.on_surface] < 12).all())
@@ -120,7 +101,7 @@ class TestPieces(unittest.TestCase):
         self.assertEqual(list(objects), names)
         for k, (vertices, triangles, materials, origin) in enumerate(objects.values()):
             self.assertTrue(is_closed(triangles))
-            self.assertAlmostEqual(volume(vertices, triangles), pieces.volumes[k], places=6)
+            self.assertAlmostEqual(enclosed(vertices[triangles]), pieces.volumes[k], places=6)
             self.assertEqual(materials, ["inside", "surface"])
             x, y, z = pieces.centroids[k]
             np.testing.assert_allclose(origin, (x, z, -y), rtol=0, atol=1e-15)
@@ -138,7 +119,7 @@ class TestPieces(unittest.TestCase):
         self.assertEqual(list(found), ["7.0", "7.1", "8", "-9"])
         for k, triangles in enumerate(np.array(triangles) for triangles in found.values()):
             self.assertTrue(is_closed(triangles))
-            self.assertAlmostEqual(volume(np.array(vertices), triangles), pieces.volumes[k], places=14)
+            self.assertAlmostEqual(enclosed(np.array(vertices)[triangles]), pieces.volumes[k], places=14)
 
         pieces.save(self.folder / "a.3mf")
         with zipfile.ZipFile(self.folder / "a.3mf") as archive:
@@ -152,7 +133,7 @@ class TestPieces(unittest.TestCase):
             places = np.array([[float(v.get(a)) for a in "xyz"] for v in one.iter(f"{space}vertex")])
             triangles = np.array([[int(t.get(a)) for a in ("v1", "v2", "v3")] for t in one.iter(f"{space}triangle")])
             self.assertTrue(is_closed(triangles))
-            self.assertAlmostEqual(volume(places, triangles), pieces.volumes[k], places=14)
+            self.assertAlmostEqual(enclosed(places[triangles]), pieces.volumes[k], places=14)
             materials = [int(t.get("p1")) for t in one.iter(f"{space}triangle")]
             np.testing.assert_array_equal(materials, pieces[k].on_surface)
 
@@ -162,7 +143,7 @@ class TestPieces(unittest.TestCase):
         kind = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("zero", "<u2")])
         triangles = np.frombuffer(data, kind, offset=84)
         corners = triangles["corners"].astype(float)
-        self.assertAlmostEqual(np.linalg.det(corners).sum() / 6, 2, places=6)
+        self.assertAlmostEqual(enclosed(corners), 2, places=6)
         np.testing.assert_allclose(np.linalg.norm(triangles["normal"], axis=1), 1, atol=1e-6)
 
     def test_vtu(self):

@@ -16,36 +16,14 @@ votess::Options with_instructions(const std::string& name) {
     return options;
 }
 
-template <class T>
-bool equal(std::span<const T> a, std::span<const T> b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end());
-}
-
 // Relative to `size`, and the smallest normal number for what underflows.
 bool near(double a, double b, double size, double error) {
     return std::abs(a - b) <= error * size + 0x1p-1022 || (std::isnan(a) && std::isnan(b));
 }
 
 void compare(const votess::Tessellation& t, const votess::Tessellation& u) {
-    CHECK(equal(t.indptr(), u.indptr()));
-    CHECK(equal(t.indices(), u.indices()));
-    CHECK(equal(t.face_counts(), u.face_counts()));
-    CHECK(equal(t.edge_counts(), u.edge_counts()));
-    CHECK(equal(t.vertex_counts(), u.vertex_counts()));
-    CHECK(equal(t.status(), u.status()));
-    CHECK(equal(t.duplicate_of(), u.duplicate_of()));
+    CHECK(test::check_same_cells(t, u) == "");
     CHECK(t.stats().faces == u.stats().faces);
-    bool all_near = true;  // each keeps the promise of 1e-10
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        const double volume = t.volumes()[i];
-        all_near = all_near && near(volume, u.volumes()[i], volume, 2e-10);
-        const auto begin = static_cast<std::size_t>(t.indptr()[i]), end = static_cast<std::size_t>(t.indptr()[i + 1]);
-        double surface = 0;
-        for (std::size_t k = begin; k < end; ++k) surface += t.face_areas()[k];
-        for (std::size_t k = begin; k < end; ++k)
-            all_near = all_near && near(t.face_areas()[k], u.face_areas()[k], surface, 2e-10);
-    }
-    CHECK(all_near);
 }
 
 }  // namespace

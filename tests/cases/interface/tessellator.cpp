@@ -9,6 +9,7 @@
 #include <votess/alpha.hpp>
 #include <votess/network.hpp>
 #include <votess/pieces.hpp>
+#include <votess/row_arrays.hpp>
 
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -69,29 +70,11 @@ TEST_SUITE("interface") {
             CHECK(e.indptr().size() == 1);
             CHECK(e.indptr()[0] == 0);
             CHECK(e.neighbors(0).empty());
-            for (const auto size : {e.indices().size(),
-                                    e.face_areas().size(),
-                                    e.face_normals().size(),
-                                    e.shifts().size(),
-                                    e.volumes().size(),
-                                    e.centroids().size(),
-                                    e.face_counts().size(),
-                                    e.edge_counts().size(),
-                                    e.vertex_counts().size(),
-                                    e.surface_areas().size(),
-                                    e.mesh_areas().size(),
-                                    e.security_radii().size(),
-                                    e.vertices().size(),
-                                    e.face_offsets().size(),
-                                    e.face_vertices().size(),
-                                    e.cell_vertex_indptr().size(),
-                                    e.cell_vertex_indices().size(),
-                                    e.status().size(),
-                                    e.duplicate_of().size(),
-                                    e.walls().size(),
-                                    e.weights().size(),
-                                    e.ids().size()})
-                CHECK(size == 0);
+            votess::for_all_arrays([&](const auto& array) {
+                CAPTURE(std::string(array.name));
+                if (array.name != "indptr") CHECK(array.of(e).empty());
+            });
+            CHECK(e.walls().empty());
             CHECK(e.least_face() == 0);
             CHECK(e.box().upper == std::array<double, 3>{});
             CHECK(e.periodic() == std::array<bool, 3>{});

@@ -12,6 +12,7 @@
 #include "result/handle.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
+#include "support/arrays.hpp"
 #include "support/check.hpp"
 #include "support/proof_case.hpp"
 #include "support/random.hpp"
@@ -430,16 +431,7 @@ TEST_SUITE("cases") {
                 auto result = domain_of(t);
                 result->planar = t.planar();
                 if (is_subset) make_subset(*result, t, all);
-                copy(result->status, t.status());
-                copy(result->indptr, t.indptr());
-                copy(result->indices, t.indices());
-                copy(result->shifts, t.shifts());
-                copy(result->face_areas, t.face_areas());
-                copy(result->face_normals, t.face_normals());
-                copy(result->volumes, t.volumes());
-                copy(result->face_counts, t.face_counts());
-                copy(result->edge_counts, t.edge_counts());
-                copy(result->vertex_counts, t.vertex_counts());
+                test::copy_arrays(t, *result);
                 change(*result);
                 return votess::verify(votess::Tessellation(std::move(result)), points, {3, 1}).passed;
             };
@@ -839,26 +831,9 @@ TEST_SUITE("cases") {
                     ++tried;
                 }
             };
-            change("indptr", t.indptr());
-            change("indices", t.indices());
-            change("shifts", t.shifts());
-            change("status", t.status());
-            change("duplicate_of", t.duplicate_of());
-            change("volumes", t.volumes());
-            change("centroids", t.centroids());
-            change("face_areas", t.face_areas());
-            change("face_normals", t.face_normals());
-            change("surface_areas", t.surface_areas());
-            change("mesh_areas", t.mesh_areas());
-            change("security_radii", t.security_radii());
-            change("face_counts", t.face_counts());
-            change("edge_counts", t.edge_counts());
-            change("vertex_counts", t.vertex_counts());
-            change("vertices", t.vertices());
-            change("face_offsets", t.face_offsets());
-            change("face_vertices", t.face_vertices());
-            change("cell_vertex_indptr", t.cell_vertex_indptr());
-            change("cell_vertex_indices", t.cell_vertex_indices());
+            votess::for_all_arrays([&](const auto& array) {
+                if (array.name != "weights" && array.name != "ids") change(std::string(array.name), array.of(t));
+            });
             CHECK(votess::verify(t, points).failure == "");
         }
         CHECK(tried > test::by_size(500, 200));

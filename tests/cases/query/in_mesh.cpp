@@ -12,30 +12,25 @@
 #include <votess/diagram.hpp>
 #include <votess/pieces.hpp>
 
-#include "oracle/exact_polygons.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 #include "support/solids.hpp"
 #include "support/text.hpp"
+#include "support/vectors.hpp"
 
 namespace {
 
 using test::Coordinates;
 using test::cross;
 using test::dot;
+using test::minus;
 using test::Random;
+using test::rational;
 using test::Solid;
 using votess::Diagram;
 using votess::Options;
 using votess::Tessellation;
 using Vector = test::RationalVector;
-
-Vector minus(const Vector& a, const Vector& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Vector rational(const double* x) {
-    return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
-}
 
 struct Crossing {
     mpq_class time;

@@ -404,16 +404,17 @@ TEST_SUITE("query") {
                 c.options.walls = {{{1, 1, 0.5}, 2}};
                 for (double& x : c.points) x = 0.5 + 1.25 * (x - 0.5);
             }
-            for (int i = 0; i < 64 && weighted; ++i) c.weights.push_back(random.uniform(0, 0.02));
+            for (double& x : c.points) x = rounded(x);
+            for (int i = 0; i < 64 && weighted; ++i) c.weights.push_back(rounded(random.uniform(0, 0.02)));
             c.options.box = test::unit_box();
             votess::Options options = c.options;
             options.weights = c.weights;
             const votess::Diagram diagram(c.points, options);
             const std::size_t count = 32;
             Coordinates queries;
-            for (std::size_t i = 0; i < 3 * count; ++i) queries.push_back(random.uniform());
+            for (std::size_t i = 0; i < 3 * count; ++i) queries.push_back(rounded(random.uniform()));
             std::vector<double> weights;
-            for (std::size_t i = 0; i < count && weighted; ++i) weights.push_back(random.uniform(0, 0.05));
+            for (std::size_t i = 0; i < count && weighted; ++i) weights.push_back(rounded(random.uniform(0, 0.05)));
             votess::NaturalOptions sibson;
             sibson.gradients = true;
             sibson.weights = weights;
