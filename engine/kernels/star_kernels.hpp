@@ -115,9 +115,9 @@ struct CandidatePlanes {
     int near = 0;  // planes of the walls and of the nearest seeds come first
 };
 
-struct Ray {  // (o + t d) / s; o[3] and d[3] are free
+struct Ray {  // o + t d; o[3] and d[3] are free
     float o[4], d[4];
-    float s, limit;
+    float limit;
 };
 
 // Tests for seeds q in the ball around p + v / scale through p: n.v >= |n|^2 / 2 - slack.
@@ -165,10 +165,10 @@ struct StarKernels {
     // Adds the planes of all window seeds within the limits. Planes nearer than sqrt(near_squared) / 2 come first.
     // weight: of p, as in the window. Returns false when they are too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float weight, const SelectLimits&, CandidatePlanes&);
-    // Finds the first plane that each of two rays hits, among the first `count` planes that it leaves (n.d > limit); -1
-    // if none. This is a guess: planes within 2^-12 of the smallest t count as equal, and the plane may be beyond
+    // Finds the first plane that each of some rays hits, among the first `count` planes that it leaves (n.d > limit);
+    // -1 if none. This is a guess: planes within 2^-12 of the smallest t count as equal, and the plane may be beyond
     // `count`.
-    void (*first_hits)(const CandidatePlanes&, int count, const Ray* rays, int* hits);
+    void (*first_hits)(const CandidatePlanes&, int count, const Ray* rays, int number, int* hits);
     // Returns the first plane with h - n.v <= v[3] other than the three, from plane `begin` on, or -1 if none of the
     // first `count` is. It may be beyond `count`.
     int (*touching)(const CandidatePlanes&, int count, const float* v, const std::int32_t* three, int begin);

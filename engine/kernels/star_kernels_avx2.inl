@@ -364,12 +364,13 @@ struct Avx2 {
 
     // The index of a plane takes the place of the last bits of t. The reciprocals of _mm256_rcp_ps() would take 1 %
     // less time of a cell, but they depend on the processor, and so would the last digits of vertices of ties.
-    VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
+    VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int number,
+                                                     int* hits) {
         constexpr float none = 0x1p127f;
         const __m256 no_hit = _mm256_set1_ps(none);
         const __m256i upper = _mm256_set1_epi32(~CandidatePlanes::index_bits);
-        for (int r = 0; r < 2; ++r) {
-            const auto& [o, d, s, least] = rays[r];
+        for (int r = 0; r < number; ++r) {
+            const auto& [o, d, least] = rays[r];
             const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
             const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
             const __m256 limit = _mm256_set1_ps(least);
@@ -379,8 +380,8 @@ struct Avx2 {
                 const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i),
                              nz = _mm256_load_ps(c.nz + i);
                 const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
-                const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
-                const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
+                const __m256 gap = _mm256_fnmadd_ps(
+                    nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, _mm256_load_ps(c.h + i))));
                 const __m256 t =
                     _mm256_blendv_ps(no_hit, _mm256_div_ps(gap, leaving), _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
                 const __m256i named = _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(t), upper), index);

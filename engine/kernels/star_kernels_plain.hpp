@@ -463,16 +463,16 @@ struct Baseline {
         return join(c, near, far);
     }
 
-    VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
+    VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int number, int* hits) {
         const float infinity = std::numeric_limits<float>::infinity();
-        for (int r = 0; r < 2; ++r) {
-            const auto& [o, d, s, least] = rays[r];
+        for (int r = 0; r < number; ++r) {
+            const auto& [o, d, least] = rays[r];
             Float4 best = Float4{} + infinity;
             Int4 at = Int4{} - 1, index{0, 1, 2, 3};
             for (int i = 0; i < count; i += 4, index += 4) {
                 const Float4 nx = load(c.nx + i), ny = load(c.ny + i), nz = load(c.nz + i), h = load(c.h + i);
                 const Float4 leaving = nx * d[0] + ny * d[1] + nz * d[2];
-                const Float4 t = (h * s - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
+                const Float4 t = (h - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
                 const Int4 better = (leaving > least) & (t < best);
                 best = better ? t : best;
                 at = better ? index : at;

@@ -87,6 +87,21 @@ void Neighborhood::grow_positions() {
     owners_.resize(positions_.size());
 }
 
+void Neighborhood::give_slowly(const std::array<std::int32_t, 4>& cells, std::uint32_t vertex) {
+    const auto& [p, a, b, c] = cells;
+    give(a, p, c, b, vertex);
+    give(b, p, a, c, vertex);
+    give(c, p, b, a, vertex);
+    clear_foreign();
+}
+
+void Neighborhood::give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
+    const std::size_t s = place_of(cell);
+    std::uint32_t& next = next_[s];
+    if (next % slab_size == 0 && !allocate_slab(s)) return spill(s, {{a, b, c}, vertex});
+    known_[next++] = {{a, b, c}, vertex};
+}
+
 bool Neighborhood::allocate_slab(std::size_t s) {
     if (s == own_count_) {
         clear_foreign();

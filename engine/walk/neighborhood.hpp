@@ -23,7 +23,7 @@ struct alignas(32) Four {
 
 // A vertex as seen by a cell: the three neighbors at the vertex, the outward normals of whose faces are positively
 // oriented. A vertex with more neighbors refers to Neighborhood::tie().
-struct KnownVertex {
+struct alignas(16) KnownVertex {
     std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 refers to a tie
     std::uint32_t vertex;               // number of its position, see Neighborhood::position()
 
@@ -43,9 +43,9 @@ public:
     [[nodiscard]] bool overlaps(std::size_t begin, std::size_t end) const { return begin < last_ && end > first_; }
     // Returns the local id. id: a sorted seed, or a wall below 0.
     [[nodiscard, gnu::always_inline]] std::int32_t local(std::int32_t id) {
-        if (id < 0) return -1 - id;
-        if (holds(id)) return walls_ + id - static_cast<std::int32_t>(first_);
-        return foreign(id);
+        const std::uint32_t place = static_cast<std::uint32_t>(id) - static_cast<std::uint32_t>(first_);
+        if (place < own_count_) return walls_ + static_cast<std::int32_t>(place);
+        return id < 0 ? -1 - id : foreign(id);
     }
     [[nodiscard]] std::int32_t id(std::int32_t local) const { return ids_[static_cast<std::size_t>(local)]; }
     // Whether a local id is a wall or a seed of the stretch.
@@ -84,11 +84,18 @@ public:
     // Hands a vertex of cells[0], a seed of the stretch, to the other three cells. The normals of their faces are
     // positively oriented.
     [[gnu::always_inline]] void give(const std::array<std::int32_t, 4>& cells, std::uint32_t vertex) {
-        // Even permutations of the four keep the orientation.
         const auto& [p, a, b, c] = cells;
-        give(a, p, c, b, vertex);
-        give(b, p, a, c, vertex);
-        give(c, p, b, a, vertex);
+        const std::size_t at_a = place_of(a), at_b = place_of(b), at_c = place_of(c);
+        const std::uint32_t to_a = next_[at_a], to_b = next_[at_b], to_c = next_[at_c];
+        if (to_a % slab_size == 0 || to_b % slab_size == 0 || to_c % slab_size == 0) return give_slowly(cells, vertex);
+        // Even permutations of the four keep the orientation.
+        const Record four{p, a, b, c}, last{static_cast<std::int32_t>(vertex)};
+        record(to_a) = __builtin_shufflevector(four, last, 0, 3, 2, 4);
+        record(to_b) = __builtin_shufflevector(four, last, 0, 1, 3, 4);
+        record(to_c) = __builtin_shufflevector(four, last, 0, 2, 1, 4);
+        next_[at_a] = to_a + 1;
+        next_[at_b] = to_b + 1;
+        next_[at_c] = to_c + 1;
         clear_foreign();
     }
     // Hands a vertex of more than four cells, in any order, to all but the first. power: its squared distance from a
@@ -129,20 +136,16 @@ private:
         std::int32_t next;
     };
 
+    using Record __attribute__((vector_size(16), may_alias)) = std::int32_t;  // a KnownVertex
+    static_assert(sizeof(Record) == sizeof(KnownVertex));
+
+    [[gnu::always_inline]] Record& record(std::uint32_t at) { return reinterpret_cast<Record&>(known_[at]); }
+    // The same as give(), where a slab is missing or full.
+    [[gnu::noinline]] void give_slowly(const std::array<std::int32_t, 4>& cells, std::uint32_t vertex);
     [[gnu::noinline]] std::int32_t foreign(std::int32_t id);
     void grow_table();
     [[gnu::noinline]] void grow_positions();
-    [[gnu::always_inline]] void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c,
-                                     std::uint32_t vertex) {
-        const std::size_t s = place_of(cell);
-        std::uint32_t& next = next_[s];
-        if (next % slab_size == 0 && !allocate_slab(s)) return spill(s, {{a, b, c}, vertex});
-        KnownVertex& known = known_[next++];
-        known.cells[0] = a;
-        known.cells[1] = b;
-        known.cells[2] = c;
-        known.vertex = vertex;
-    }
+    void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex);
     // Cells that are not of the stretch share a place behind it.
     [[nodiscard, gnu::always_inline]] std::size_t place_of(std::int32_t cell) const {
         return std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);

@@ -91,19 +91,9 @@ private:
 
     using Floats __attribute__((vector_size(16))) = float;
 
-    [[gnu::always_inline]] static Floats load(const float (&from)[4]) {
-        Floats v;
-        std::memcpy(&v, from, sizeof v);
-        return v;
-    }
-    [[gnu::always_inline]] static void store(const Floats& v, float (&to)[4]) { std::memcpy(to, &v, sizeof v); }
-    [[gnu::always_inline]] static void cross(const Floats& a, const Floats& b, Floats& out) {
-        const Floats turned =
-            a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
-        out = __builtin_shufflevector(turned, turned, 1, 2, 0, 3);
-    }
     [[gnu::always_inline]] static void narrow(const Wide& w, float (&out)[4]) {
-        store(__builtin_convertvector(w, Floats), out);
+        const Floats v = __builtin_convertvector(w, Floats);
+        std::memcpy(&out, &v, sizeof v);
     }
 
     // An edge on two planes, by their slots, with one known end: the vertex that has a -> b.
@@ -113,16 +103,13 @@ private:
     struct alignas(32) Line {  // of an edge
         Four ab;               // n_a x n_b
         Four e;                // h_a n_b - h_b n_a
+        double square;         // |ab|^2
         double norms2;         // |n_a|^2 |n_b|^2
         double longest2;       // the larger of the two
     };
     struct Ball {  // around a vertex: a seed may cut it off if it is nearer than sqrt(radius^2 + excess) + off
         Box center;
         double radius = 0, off = 0;
-    };
-    struct alignas(16) Facing {  // a plane in floats
-        float normal[4];         // of length 1, about
-        float distance;
     };
     struct alignas(32) Third {  // the plane that ends an edge
         Four n;
@@ -143,11 +130,12 @@ private:
     [[gnu::always_inline]] inline bool read_known();
     [[gnu::always_inline]] inline void read_position(const KnownVertex& known, int vertex);
     bool read_tie(const KnownVertex& known, int vertex);
-    [[gnu::always_inline]] inline void list_open_edges();
+    [[gnu::always_inline]] inline void find_open();
     [[gnu::noinline]] void adapt_reach(double needed);
     bool collect_faces();
-    [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
-    [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
+    [[gnu::always_inline]] inline void draw_line(const OpenEdge& edge, Line& line) const;
+    [[nodiscard, gnu::always_inline]] inline bool is_drawn(const OpenEdge& edge, const Line& line) const;
+    [[gnu::always_inline]] inline void aim(const Line& line, Ray& ray) const;
     // Returns the candidate that the ray hits first, a guess, or -1.
     [[nodiscard, gnu::noinline]] int first_hit(const Ray& ray);
     // Returns how many candidates may come near a vertex of that squared security radius. Seeds that were added
@@ -186,9 +174,10 @@ private:
     // Scales the rounding of h.
     [[nodiscard]] static double size_of_h(double h, double square) { return 0.5 * (square + std::abs(2 * h - square)); }
     [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
-    // Finds the vertex at the other end of an edge. lane: the candidate to begin with, or -1.
+    // Finds the vertex at the other end of an edge. id: the plane to begin with, or no_plane. guessed: it may miss the
+    // edge.
     template <Star::Keep Kept>
-    [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Ray& ray, int lane);
+    [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Line& line, std::int32_t id, bool guessed);
     [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
                                   int lane, int count);
     void begin_tie(const std::int32_t* three);
@@ -201,8 +190,8 @@ private:
                                                   const Four& x);
     [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     [[nodiscard]] bool give_polygons(double power);
-    bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
-    bool link_ring(std::span<const std::int32_t> ring, int vertex, bool stack_them);
+    bool link_polygon(std::span<const std::int32_t> cells, int vertex);
+    bool link_ring(std::span<const std::int32_t> ring, int vertex);
     void clear_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     template <Star::Keep Kept>
@@ -237,11 +226,15 @@ private:
     void for_groups(const Box& around, const std::array<double, 3>& by, const HeavierTest& test, Visit visit);
     [[nodiscard]] double distance_to_seed(const Box& box, std::size_t seed) const;
     [[nodiscard]] double largest_residual(const WeightTilt& tilt, std::size_t seed) const;
+    // Returns the edges a -> b whose other end is unknown.
+    [[nodiscard]] std::uint64_t open_edges(int a) const { return out_[a] & ~in_[a]; }
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
-    // Stacks the edge a -> b of a new vertex, unless its other end is known.
-    [[gnu::always_inline]] void stack(int a, int b) {
-        open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
-        open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
+    [[nodiscard]] static OpenEdge edge_of(int a, int b) {
+        return {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+    }
+    // Returns the bit of a plane that has such an edge.
+    [[nodiscard, gnu::always_inline]] std::uint64_t open_bit(int a) const {
+        return static_cast<std::uint64_t>(open_edges(a) != 0) << a;
     }
     [[gnu::always_inline]] void make_room(std::int32_t locals) {
         if (slot_.size() < static_cast<std::size_t>(locals) + max_planes) grow_slots(locals);
@@ -257,16 +250,13 @@ private:
 
     // ---- Bisector planes in floats, in doubles and exactly ----
     [[gnu::always_inline]] inline void need_plane(int slot);
-    [[gnu::always_inline]] inline void need_facing(int slot);
-    [[gnu::always_inline]] inline void find_facings();
-    [[gnu::always_inline]] inline void find_facing(int slot);
+    [[gnu::always_inline]] inline void find_open_planes();
     [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
     [[gnu::always_inline]] inline void add_low(std::int32_t id, Four& n) const;
     [[nodiscard, gnu::noinline]] bool may_cancel(std::int32_t id, const Four& n) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
     [[nodiscard]] exact::Plane with_power(exact::Plane plane, std::int32_t id) const;
     [[nodiscard]] bool any_parallel(std::span<const std::int32_t> cells);
-    [[gnu::always_inline]] inline void face(int slot);
 
     // ---- Which planes are candidates ----
     void guess_reach(std::size_t group);
@@ -437,19 +427,15 @@ private:
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b. The vertex at its
     // other end has b -> a, and sets bit b of in_[a].
     std::array<std::uint64_t, max_planes> out_{}, in_{};
-    // Edges that were open when stacked. Those from open_begin_ to open_end_ may still be.
-    std::array<OpenEdge, 4 * max_vertices + max_ties> open_edges_;
-    int open_begin_ = 0, open_end_ = 0;
-    std::uint64_t open_slots_ = 0;                              // planes of the edges that were open at first
+    std::uint64_t open_ = 0;                                    // planes that have open edges
+    OpenEdge start_{};                                          // of a cell that has no vertex
     std::uint64_t planes_known_ = 0;                            // planes with n_, h_, square_, id_
-    std::uint64_t facings_known_ = 0;                           // planes that have facing_ too
     int ends_ = 0;                                              // edges, counted at either end
     std::array<std::int32_t, max_planes + lane_step> local_{};  // one behind the last plane is written too
     std::array<std::int32_t, max_planes> id_{};
     int planes_ = 0;
     alignas(64) std::array<Four, max_planes> n_{};
     std::array<double, max_planes> h_{}, square_{};
-    std::array<Facing, max_planes> facing_{};
     std::vector<std::uint16_t> slot_;  // by local id
     std::uint16_t none_ = no_slot;     // not a constant, which would take two instructions to store
 

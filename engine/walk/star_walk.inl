@@ -357,7 +357,7 @@ bool StarWalk<Isa>::gather_candidates() {
     unscale_ = 1 / scale;
     if (seeds_.images != nullptr)
         set_image_reach(!weighted_ ? seeds_.images->min_reach() : sure_images_known_ ? sure_image_reach() : 0);
-    planes_known_ = facings_known_ = 0;
+    planes_known_ = 0;
     selected_ = CandidatePlanes::capacity;
     const int most = !weighted_              ? max_candidates
                      : window_.covered() > 0 ? max_weighted_candidates
@@ -550,7 +550,7 @@ bool StarWalk<Isa>::begin_outside() {
         if (probe_.met_tie() || std::ranges::any_of(planes, [own](const CellPlane* plane) { return plane->id == own; }))
             return false;
         const int a = new_slot(planes[0]->id), b = new_slot(planes[1]->id);
-        stack(a, b);
+        start_ = edge_of(a, b);
         return true;
     }
     return false;
@@ -636,7 +636,6 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
         ray.d[k] = static_cast<float>(n[i] * skew[j] - n[j] * skew[i]);
         size += std::abs(ray.d[k]);
     }
-    ray.s = 1;
     ray.limit = parallel * size * static_cast<float>(longest_);
     int hit = first_hit(ray);
     if (hit < 0) {
@@ -650,7 +649,7 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
         hit = first_hit(ray);
     }
     if (hit < 0) return false;
-    stack(a, new_slot(c.id[hit]));
+    start_ = edge_of(a, new_slot(c.id[hit]));
     return true;
 }
 
@@ -1120,8 +1119,8 @@ template <bool Alone>
 bool StarWalk<Isa>::build_cell() {
     clear_planes();
     own_local_ = cells_.local(own_id_);
-    vertices_ = ends_ = open_begin_ = open_end_ = 0;
-    planes_known_ = facings_known_ = open_slots_ = 0;
+    vertices_ = ends_ = 0;
+    planes_known_ = open_ = 0;
     scale_ = unscale_ = 1;
     move_ = {};
     have_candidates_ = used_exact_ = met_tie_ = false;
@@ -1146,25 +1145,34 @@ bool StarWalk<Isa>::complete() {
         if (empty_) faces_ = edges_ = 0;
         return empty_;
     }
-    if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
-    find_facings();
-    for (;;) {
-        // Two open edges at once, far from each other: their searches overlap in the processor. The vertex of the first
-        // may close the second.
-        while (open_begin_ < open_end_ && !is_open(open_edges_[open_begin_])) ++open_begin_;
-        if (open_begin_ == open_end_) break;
+    if (open_ != 0 && !have_candidates_ && !gather_candidates()) return false;
+    find_open_planes();
+    while (open_ != 0) {
         if (candidates_.count > crowded) forget_candidates();
-        OpenEdge edges[2];
-        edges[0] = open_edges_[open_begin_++];
-        while (open_begin_ < open_end_ && !is_open(open_edges_[open_end_ - 1])) --open_end_;
-        edges[1] = open_begin_ < open_end_ ? open_edges_[--open_end_] : edges[0];
-        Ray rays[2];
-        aim(edges[0], rays[0]);
-        aim(edges[1], rays[1]);
-        int hits[2];
-        Isa::first_hits(candidates_, candidates_.near, rays, hits);
-        for (int k = 0; k < 2; ++k)
-            if (is_open(edges[k]) && !close<Kept>(edges[k], rays[k], hits[k])) return false;
+        const int a = std::countr_zero(open_), b = std::countr_zero(open_edges(a));
+        OpenEdge edges[2] = {edge_of(a, b)};
+        Line lines[2];
+        std::int32_t ids[2];
+        draw_line(edges[0], lines[0]);
+        const std::uint64_t others = open_ & ~(1ull << a | 1ull << b);
+        const bool guessed = std::popcount(open_) == 3;
+        if (guessed) {  // most likely the three meet in the last vertex
+            ids[0] = cells_.id(local_[std::countr_zero(others)]);
+        } else {
+            // Two edges at once: their searches overlap in the processor. They have no plane in common, so the vertex
+            // of one does not close the other.
+            const std::uint64_t apart = others & ~(in_[a] & ~out_[a]);
+            const int c = std::countr_zero(apart != 0 ? apart : open_);
+            edges[1] = edge_of(c, std::countr_zero(open_edges(c)));
+            draw_line(edges[1], lines[1]);
+            Ray rays[2];
+            int hits[2];
+            for (int k = 0; k < 2; ++k) aim(lines[k], rays[k]);
+            Isa::first_hits(candidates_, candidates_.near, rays, 2, hits);
+            for (int k = 0; k < 2; ++k) ids[k] = hits[k] < 0 ? no_plane : candidates_.id[hits[k]];
+        }
+        for (int k = 0, count = guessed ? 1 : 2; k < count; ++k)
+            if (is_open(edges[k]) && !close<Kept>(edges[k], lines[k], ids[k], guessed)) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) {
@@ -1192,22 +1200,21 @@ template <class Isa>
 template <Star::Keep Kept>
 bool StarWalk<Isa>::find_first() {
     int candidates = 0;
-    OpenEdge edge{};
     cut_by_ = no_plane;
     for (int tries = 0; tries < max_starts; ++tries) {
-        open_begin_ = open_end_ = 0;
         start_failed_ = false;
         if (tries > 0 && candidates_.count == candidates && cut_by_ != no_plane) {
-            stack(edge.a, new_slot(cut_by_));
+            start_ = edge_of(start_.a, new_slot(cut_by_));
         } else if (!begin_anywhere() || empty_ || candidates_.count == candidates) {
             return false;
         }
         candidates = candidates_.count;
-        edge = open_edges_[open_begin_++];
         cut_by_ = no_plane;
-        Ray ray;
-        aim(edge, ray);
-        if (close<Kept>(edge, ray, -1)) return true;
+        need_plane(start_.a);
+        need_plane(start_.b);
+        Line line;
+        draw_line(start_, line);
+        if (close<Kept>(start_, line, no_plane, false)) return true;
         if (!start_failed_) return false;
     }
     return false;
@@ -1251,39 +1258,27 @@ bool StarWalk<Isa>::read_known() {
         link_corner<Kept>(a, b, c, vertices++);
     }
     planes_ = planes, vertices_ = vertices, ends_ += 3 * (vertices - ties);
-    list_open_edges();
+    find_open();
     return true;
 }
 
-// Lists the edges that vertices of other cells leave open, and their planes. Planes without such an edge are left out
-// first, because a branch for each would be mispredicted.
+// Finds the planes that vertices of other cells leave open.
 template <class Isa>
-void StarWalk<Isa>::list_open_edges() {
-    std::uint64_t left = 0;
+void StarWalk<Isa>::find_open() {
+    std::uint64_t open = 0;
     for (int p = 0; p < planes_; p += lane_step)
-        for (int k = p; k < p + lane_step; ++k) left |= static_cast<std::uint64_t>((out_[k] & ~in_[k]) != 0) << k;
-    std::uint64_t slots = left;
-    int end = 0;
-    for (; left != 0; left &= left - 1) {
-        const int a = std::countr_zero(left);
-        for (std::uint64_t open = out_[a] & ~in_[a]; open != 0; open &= open - 1) {
-            const int b = std::countr_zero(open);
-            open_edges_[end++] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
-            slots |= std::uint64_t{1} << b;
-        }
-    }
-    open_end_ = end;
-    open_slots_ = slots;
+        for (int k = p; k < p + lane_step; ++k) open |= open_bit(k);
+    open_ = open;
 }
 
 template <class Isa>
 bool StarWalk<Isa>::read_tie(const KnownVertex& known, int vertex) {
     if (keep_ == Keep::places) read_position(known, vertex);
-    if (known.is_ordered()) return link_ring(cells_.tie(known), vertex, false);
+    if (known.is_ordered()) return link_ring(cells_.tie(known), vertex);
     tied_cells_.clear();
     for (const std::int32_t cell : cells_.tie(known))
         if (cell != own_local_) tied_cells_.push_back(cell);
-    return link_polygon(tied_cells_, vertex, false);
+    return link_polygon(tied_cells_, vertex);
 }
 
 // Faces are the planes that have edges. A plane that was tried as a start may have none.
@@ -1303,47 +1298,42 @@ bool StarWalk<Isa>::collect_faces() {
     return edges == ends_;  // no edge was found twice in the same direction
 }
 
-// In floats, because the hit is a guess.
 template <class Isa>
-void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
-    need_facing(edge.a);
-    need_facing(edge.b);
-    const Facing &a = facing_[edge.a], &b = facing_[edge.b];
-    Floats ab, across;
-    const Floats na = load(a.normal), nb = load(b.normal);
-    cross(na, nb, ab);
-    // e x ab / |ab|^2 is the point of the line that is nearest to the seed.
-    cross(a.distance * nb - b.distance * na, ab, across);
-    const Floats squares = ab * ab;
-    const float square = squares[0] + squares[1] + squares[2];
-    store(across, ray.o);
-    store(-ab, ray.d);
-    ray.s = square;
-    const float root = std::bit_cast<float>((std::bit_cast<std::uint32_t>(square) >> 1) + 0x1fbd1df5);  // about
-    ray.limit = parallel * root * static_cast<float>(longest_);
+void StarWalk<Isa>::draw_line(const OpenEdge& edge, Line& line) const {
+    const Wide &na = wide(n_[edge.a]), &nb = wide(n_[edge.b]);
+    const double square_a = square_[edge.a], square_b = square_[edge.b];
+    cross(na, nb, wide(line.ab));
+    wide(line.e) = h_[edge.a] * nb - h_[edge.b] * na;
+    line.square = dot(wide(line.ab), wide(line.ab));
+    line.norms2 = square_a * square_b;
+    line.longest2 = std::max(square_a, square_b);
 }
 
 // Returns false when the planes are too nearly parallel, or too large or small to square.
 template <class Isa>
-bool StarWalk<Isa>::draw_line(const OpenEdge& edge, Line& line) const {
-    const Wide &na = wide(n_[edge.a]), &nb = wide(n_[edge.b]);
-    const double square_a = square_[edge.a], square_b = square_[edge.b];
-    Wide ab;
-    cross(na, nb, ab);
-    line.norms2 = square_a * square_b;
-    line.longest2 = std::max(square_a, square_b);
-    wide(line.ab) = ab;
-    wide(line.e) = h_[edge.a] * nb - h_[edge.b] * na;
-    return square_a > smallest_square && square_b > smallest_square && line.norms2 < largest_product &&
-           dot(ab, ab) * worst_condition2 > line.norms2;
+bool StarWalk<Isa>::is_drawn(const OpenEdge& edge, const Line& line) const {
+    return square_[edge.a] > smallest_square && square_[edge.b] > smallest_square && line.norms2 < largest_product &&
+           line.square * worst_condition2 > line.norms2;
+}
+
+// In floats, because the hit is a guess.
+template <class Isa>
+void StarWalk<Isa>::aim(const Line& line, Ray& ray) const {
+    // e x ab / |ab|^2 is the point of the line that is nearest to the seed.
+    Wide across;
+    cross(wide(line.e), wide(line.ab), across);
+    narrow(across * (1 / line.square), ray.o);
+    // About 1 / |ab|, without waiting for a root. Only the size of the floats depends on it.
+    const double inverse = std::bit_cast<double>(0x5fe6eb50c7b537a9 - (std::bit_cast<std::uint64_t>(line.square) >> 1));
+    narrow(wide(line.ab) * -inverse, ray.d);
+    ray.limit = parallel * static_cast<float>(longest_);
 }
 
 template <class Isa>
 int StarWalk<Isa>::first_hit(const Ray& ray) {
-    const Ray rays[2] = {ray, ray};
-    int hits[2];
-    Isa::first_hits(candidates_, candidates_.count, rays, hits);
-    return hits[0];
+    int hit;
+    Isa::first_hits(candidates_, candidates_.count, &ray, 1, &hit);
+    return hit;
 }
 
 // Cramer's rule: (ha nb x nc + hb nc x na + hc na x nb) / det = (e x nc + hc ab) / det. Returns false when the planes
@@ -1362,20 +1352,21 @@ bool StarWalk<Isa>::solve(const Line& line, Third& c, Four& x) const {
 
 template <class Isa>
 template <Star::Keep Kept>
-bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
-    Line line;
-    if (!draw_line(edge, line)) return false;
+bool StarWalk<Isa>::close(const OpenEdge& edge, const Line& line, std::int32_t id, bool guessed) {
+    if (!is_drawn(edge, line)) return false;
     bool searched = false, cutting = false;  // cutting: the candidate cuts off the end of the edge so far
     for (int pick = 0; pick < max_picks; ++pick) {
-        if (lane < 0) {
-            lane = first_hit(ray);
-            cutting = false;
+        if (id == no_plane) {
+            Ray ray;
+            aim(line, ray);
+            const int hit = first_hit(ray);
+            cutting = guessed = false;
+            if (hit < 0) {
+                if (!add_along(line, edge)) return false;
+                continue;
+            }
+            id = candidates_.id[hit];
         }
-        if (lane < 0) {
-            if (!add_along(line, edge)) return false;
-            continue;
-        }
-        const std::int32_t id = candidates_.id[lane];
         const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         Third third;
         Four x;
@@ -1384,6 +1375,10 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         const double x2 = solved ? dot(wide(x), wide(x)) : infinity;
         third.length2 = error_length2(line, third, x2);
         if (!(x2 < longest_normal * longest_normal)) {
+            if (guessed) {
+                id = no_plane;
+                continue;
+            }
             start_failed_ = true;
             if (cutting) {
                 cut_by_ = id;
@@ -1393,7 +1388,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             int added = 0;
             if (solved && !add_wall_before(x, third.length2, false, -wide(line.ab), added)) return false;
             if (added == 0 && !add_along(line, edge)) return false;
-            lane = -1;
+            id = no_plane;
             continue;
         }
         float v[4];
@@ -1406,12 +1401,15 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             search2 = bent_reach_squared(square, third);
         }
         const int count = in_reach(search2);
-        const int touching = Isa::touching(candidates_, count, v, three, 0);
         tied_.clear();
-        if (touching >= 0) {
-            lane = examine(v, three, third, x, touching, count);
+        if (const int touching = Isa::touching(candidates_, count, v, three, 0); touching >= 0) {
+            const int lane = examine(v, three, third, x, touching, count);
             cutting = lane >= 0;
-            if (cutting) continue;
+            if (cutting) {
+                id = candidates_.id[lane];
+                guessed = false;
+                continue;
+            }
         }
         if ((search2 > covered_ && !searched) || !(reach2 < walls_within2_)) {
             int added = 0;
@@ -1424,7 +1422,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 searched = vertices_ > 0 && added < max_new_seeds;
             }
             if (added > 0) {
-                lane = -1;
+                id = no_plane;
                 continue;
             }
         }
@@ -1440,7 +1438,9 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         }
         reached_ = std::max(reached_, 4 * square);
         if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
-        return add_tie(edge, id, third, x) && !is_open(edge);
+        if (!add_tie(edge, id, third, x)) return false;
+        find_open_planes();
+        return !is_open(edge);
     }
     return false;
 }
@@ -1736,22 +1736,19 @@ template <Star::Keep Kept>
 bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (planes_ > max_planes - 2 || vertices_ > max_vertices - 4) return false;
     const int c = new_slot(id);
-    if (((planes_known_ >> c) & 1) == 0) {
-        planes_known_ |= 1ull << c;
-        facings_known_ |= 1ull << c;
-        id_[c] = id;
-        wide(n_[c]) = wide(third.n);
-        h_[c] = third.h;
-        square_[c] = third.square;
-        face(c);
-    }
+    // Known planes too, because a branch would be mispredicted.
+    planes_known_ |= 1ull << c;
+    id_[c] = id;
+    wide(n_[c]) = wide(third.n);
+    h_[c] = third.h;
+    square_[c] = third.square;
     if constexpr (Kept == Keep::places) store_position(third, x);
     cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]},
                 Kept == Keep::places ? numbers_[vertices_] : 0);
     link_corner<Kept>(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
-    stack(edge.a, c);
-    stack(c, edge.b);
+    open_ =
+        (open_ & ~(1ull << edge.a | 1ull << edge.b | 1ull << c)) | open_bit(edge.a) | open_bit(edge.b) | open_bit(c);
     return true;
 }
 
@@ -1764,9 +1761,9 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
     const double power = power_within(distance_squared(x), third.length2);
-    if (give_polygons(power)) return link_ring(ring_, vertices_++, true);
+    if (give_polygons(power)) return link_ring(ring_, vertices_++);
     cells_.give_tie(tied_cells_, numbers_[vertices_], power);
-    return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
+    return link_polygon(std::span(tied_cells_).subspan(1), vertices_++);
 }
 
 // Hands the vertex of tied_cells_ to the others, each with its polygon, and sets ring_ to that of this cell. Returns
@@ -1785,7 +1782,7 @@ bool StarWalk<Isa>::give_polygons(double power) {
 
 // Finds out which of the planes through a vertex own an edge there.
 template <class Isa>
-bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
+bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex) {
     if (cells.size() > max_ties || ((weighted_ || !seeds_.beyond.empty()) && any_parallel(cells))) return false;
     used_exact_ = true;
     corner_planes_.clear();
@@ -1797,12 +1794,12 @@ bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex
     for (const int k : exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
                                              std::span(room).first(cells.size())))
         ring_.push_back(cells[static_cast<std::size_t>(k)]);
-    return ring_.size() >= 3 && link_ring(ring_, vertex, stack_them);
+    return ring_.size() >= 3 && link_ring(ring_, vertex);
 }
 
 // ring: in the order of corner_polygon().
 template <class Isa>
-bool StarWalk<Isa>::link_ring(std::span<const std::int32_t> ring, int vertex, bool stack_them) {
+bool StarWalk<Isa>::link_ring(std::span<const std::int32_t> ring, int vertex) {
     const std::size_t count = ring.size();
     if (planes_ + count > max_planes || ends_ + count > 4 * max_vertices) return false;
     std::array<std::uint8_t, max_ties> slots;
@@ -1822,7 +1819,7 @@ bool StarWalk<Isa>::link_ring(std::span<const std::int32_t> ring, int vertex, bo
         ties_.push_back({vertex, begin, std::ssize(tie_slots_)});
     }
     ends_ += static_cast<int>(count);
-    for (std::size_t k = 0; k < count && stack_them; ++k) stack(slots[k], slots[k + 1 == count ? 0 : k + 1]);
+    for (std::size_t k = 0; k < count; ++k) open_ = (open_ & ~(1ull << slots[k])) | open_bit(slots[k]);
     return true;
 }
 
@@ -1996,32 +1993,11 @@ void StarWalk<Isa>::need_plane(int slot) {
     plane_through(id_[slot], n_[slot], h_[slot], square_[slot]);
 }
 
+// Finds n_, h_, square_ and id_ of the planes that have open edges.
 template <class Isa>
-void StarWalk<Isa>::need_facing(int slot) {
-    if (((facings_known_ >> slot) & 1) == 0) find_facing(slot);
-}
-
-// Finds the planes of the edges that are open at first.
-template <class Isa>
-void StarWalk<Isa>::find_facings() {
-    for (std::uint64_t slots = open_slots_ & ~facings_known_; slots != 0; slots &= slots - 1)
-        find_facing(std::countr_zero(slots));
-}
-
-template <class Isa>
-void StarWalk<Isa>::find_facing(int slot) {
-    facings_known_ |= 1ull << slot;
-    need_plane(slot);
-    face(slot);
-}
-
-template <class Isa>
-void StarWalk<Isa>::face(int slot) {
-    // About 1 / sqrt(square), without waiting for a root. Only the size of the floats depends on it.
-    const double inverse =
-        std::bit_cast<double>(0x5fe6eb50c7b537a9 - (std::bit_cast<std::uint64_t>(square_[slot]) >> 1));
-    narrow(wide(n_[slot]) * inverse, facing_[slot].normal);
-    facing_[slot].distance = static_cast<float>(h_[slot] * inverse);
+void StarWalk<Isa>::find_open_planes() {
+    for (std::uint64_t slots = open_ & ~planes_known_; slots != 0; slots &= slots - 1)
+        need_plane(std::countr_zero(slots));
 }
 
 template <class Isa>
