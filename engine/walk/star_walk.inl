@@ -1155,7 +1155,7 @@ bool StarWalk<Isa>::complete() {
         std::int32_t ids[2];
         draw_line(edges[0], lines[0]);
         const std::uint64_t others = open_ & ~(1ull << a | 1ull << b);
-        const bool guessed = std::popcount(open_) == 3;
+        const bool guessed = others != 0 && (others & (others - 1)) == 0;
         if (guessed) {  // most likely the three meet in the last vertex
             ids[0] = cells_.id(local_[std::countr_zero(others)]);
         } else {
