@@ -61,6 +61,8 @@ def _checked_kind(
     if kind is None:
         table = ". For tables: t.to_dataframe().to_csv(path)" if extension in (".csv", ".txt") else ""
         raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}{table}")
+    if kind.mesh and t.ids is not None:
+        raise ValueError(f"a {extension} file needs the cells of all points: leave out only=, or write .npz or .h5")
     if named_columns(columns) and not kind.columns:
         raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
     if not (0 <= min_edge < float("inf")):
