@@ -52,8 +52,10 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
     }
     constexpr std::array<std::string_view, 9> by_name{".txt",  ".dat",       ".csv", "",    ".xyz",
                                                       ".dump", ".lammpstrj", ".npz", ".ply"};
-    const bool named =
-        std::ranges::find(by_name, extension) != by_name.end() || (extension == ".npy" && request.npy_holds_columns);
+    const auto of_rows = std::span(by_name).first(5);
+    if (request.npy_holds_columns && extension != ".npy" && std::ranges::find(of_rows, extension) == of_rows.end())
+        throw bad_input("rays are rows of text or of .npy, not " + in_quotes(path));
+    const bool named = std::ranges::find(by_name, extension) != by_name.end() || request.npy_holds_columns;
     if (!request.coordinates.empty() && !named)
         throw bad_input("--columns goes with rows of text, .npz, .ply and LAMMPS dumps only, not with " +
                         in_quotes(path));

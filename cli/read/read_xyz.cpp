@@ -324,6 +324,7 @@ std::unique_ptr<InputFrames> open_xyz_frames(std::unique_ptr<TextSource>& source
         check_last_line(head, source->name());
     }
     if (!holds_frames(head, source->name())) return nullptr;
+    if (request.npy_holds_columns) throw bad_input(source->name() + ": rays are rows of text without a count first");
     if (!request.coordinates.empty())
         throw bad_input(source->name() + ": --columns goes with rows, not with frames, whose Properties name pos");
     return std::make_unique<TextFrames<XyzReader>>(std::move(source), FrameKind::xyz, request, std::move(head));
