@@ -114,13 +114,12 @@ class _File:
         return self.element(box, "edges", frame).astype(float), flags.astype(bool)
 
     def domain(self, frame: int) -> Optional[Domain]:
-        own = self.file.attrs
-        if "periodic" in own:  # a file that votess wrote
+        own, size = self.file.attrs, self.set.shape[-1]
+        if "box" in own and ("periodic" in own or np.size(own["box"]) == 2 * size):  # as votess writes it
             names = ("cell", "origin") if np.size(own.get("cell", ())) else ("box",)
             found: Any = {name: np.ravel(own[name]).astype(float) for name in names}
             walls = np.array(self.file["walls"], float) if "walls" in self.file else ()
-            return domain_of({**found, "periodic": tuple(bool(axis) for axis in np.ravel(own["periodic"])), "walls": walls})
-        size = self.set.shape[-1]
+            return domain_of({**found, "periodic": tuple(bool(axis) for axis in np.ravel(own.get("periodic", [False] * size))), "walls": walls})
         periodic: Any = [False] * size
         edges: Any = ()
         if self.particles and f"{self.particles}/box" in self.file:
