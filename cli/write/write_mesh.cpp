@@ -99,7 +99,9 @@ void write_by(votess_status (*function)(const Arrays*, const char*, votess_write
 
 void print_short_edges(OutputFile& file, const OutputData& data, std::uint64_t count) {
     if (count > 0 && data.reports_size)
-        std::fprintf(stderr, "%s keeps %s edges below --min-edge, for a cell would not remain a polyhedron\n",
+        std::fprintf(stderr,
+                     "%s keeps %s edges below --min-edge, for cells would not remain polyhedra of about their volumes, "
+                     "or vertices would leave their walls\n",
                      file.description().c_str(), std::to_string(count).c_str());
 }
 

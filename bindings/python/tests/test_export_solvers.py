@@ -230,7 +230,8 @@ class Foam(FoamFolder):
                     short = {tuple(sorted(e)) for e in ends[lengths < length].tolist()}
                     self.assertEqual(q.short_edges, len(short))
                     self.assertEqual([str(w.message) for w in caught], [
-                        f"{len(short)} edges below min_edge={length} stay: cells would not remain polyhedra"] * bool(short))  # fmt: skip
+                        f"{len(short)} edges below min_edge={length} stay: cells would not remain polyhedra of about their volumes, or "
+                        "vertices would leave their walls"] * bool(short))  # fmt: skip
                     if before.min_edge < length:
                         self.assertLess(q.vertices, before.vertices)
                         self.assertLess(len(short), 0.3 * (before.vertices - q.vertices))

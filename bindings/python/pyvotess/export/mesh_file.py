@@ -103,7 +103,8 @@ def write_mesh(
 
 
 def short_edges_stay(count: int, min_edge: float) -> str:
-    return f"{count} edges below min_edge={min_edge} stay: cells would not remain polyhedra"
+    reasons = "cells would not remain polyhedra of about their volumes, or vertices would leave their walls"
+    return f"{count} edges below min_edge={min_edge} stay: {reasons}"
 
 
 def mesh_quality(t: SeedCells, skip_open: bool, min_edge: float) -> MeshQuality:
