@@ -306,6 +306,7 @@ std::string json_summary(const Summary& summary) {
     member("unproven", unproven ? json_string(summary.verified->unproven) : "null");
     member("verified_cells",
            summary.verified ? std::to_string(verified_cells(*summary.verified, stats.points)) : "null");
+    if (!summary.input_note.empty()) member("input", json_string(summary.input_note));
     if (!summary.mesh.empty()) {
         member("mesh", json_string(summary.mesh));
         member(summary.mesh_parts, std::to_string(summary.triangles));

@@ -52,8 +52,10 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
     }
     constexpr std::array<std::string_view, 9> by_name{".txt",  ".dat",       ".csv", "",    ".xyz",
                                                       ".dump", ".lammpstrj", ".npz", ".ply"};
-    const bool named =
-        std::ranges::find(by_name, extension) != by_name.end() || (extension == ".npy" && request.npy_holds_columns);
+    const auto of_rows = std::span(by_name).first(5);
+    if (request.npy_holds_columns && extension != ".npy" && std::ranges::find(of_rows, extension) == of_rows.end())
+        throw bad_input("rays are rows of text or of .npy, not " + in_quotes(path));
+    const bool named = std::ranges::find(by_name, extension) != by_name.end() || request.npy_holds_columns;
     if (!request.coordinates.empty() && !named)
         throw bad_input("--columns goes with rows of text, .npz, .ply and LAMMPS dumps only, not with " +
                         in_quotes(path));
@@ -197,8 +199,8 @@ std::string shapes_of(Dimensions dimensions) {
 
 namespace {
 
-// Throws Failure unless the corners of a box are in order, and around a cell if there is one. A cell without an edge
-// has no end there.
+// Throws Failure unless the corners of a box are in order, and around a cell if there is one. For each edge that a cell
+// lacks, the box may lack its ends along one axis.
 void check_stated(const std::string& file, const std::vector<double>& box, const std::vector<double>& cell,
                   const std::vector<double>& origin) {
     constexpr double rounding = 1e-6;  // of cells in single precision
@@ -207,6 +209,14 @@ void check_stated(const std::string& file, const std::vector<double>& box, const
     if (cell.empty() != origin.empty() && !is_corner)
         throw bad_input(file + ": there is " + (cell.empty() ? "an origin, and no cell" : "a cell, and no origin") +
                         ": a cell needs both, a box neither");
+    std::size_t missing = 0, endless = 0;  // edges and axes
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const auto is_endless = [&](std::size_t k) { return box[k] == -infinity && box[size + k] == infinity; };
+    for (std::size_t k = 0; k < size; ++k) {
+        const auto edge = std::span(cell).subspan(cell.empty() ? 0 : size * k, cell.empty() ? 0 : size);
+        missing += std::ranges::count(edge, 0.0) == static_cast<std::ptrdiff_t>(size) ? 1 : 0;
+        endless += is_endless(k) ? 1 : 0;
+    }
     for (std::size_t k = 0; k < size; ++k) {
         const double lower = box[k], upper = box[size + k];
         const std::string axis(1, static_cast<char>('x' + k));
@@ -216,11 +226,11 @@ void check_stated(const std::string& file, const std::vector<double>& box, const
         if (!(lower < upper))
             throw bad_input(file + ": box goes from " + to_text(lower) + " to " + to_text(upper) + " along " + axis +
                             ": the first row must hold its lower corner");
-        if (cell.size() != size * size || origin.size() != size) continue;
+        if (cell.empty() || (is_endless(k) && endless <= missing)) continue;
         double from = origin[k], to = origin[k];
         for (std::size_t j = 0; j < size; ++j) (cell[size * j + k] < 0 ? from : to) += cell[size * j + k];
         const double allowed = rounding * (to - from + std::abs(origin[k]));
-        const auto differs = [&](double a, double b) { return std::isfinite(a) && !(std::abs(a - b) <= allowed); };
+        const auto differs = [&](double a, double b) { return !(std::abs(a - b) <= allowed); };
         if (differs(lower, from) || differs(upper, to))
             throw bad_input(file + ": box goes from " + to_text(lower) + " to " + to_text(upper) + " along " + axis +
                             ", the cell from " + to_text(from) + " to " + to_text(to) +
@@ -230,7 +240,7 @@ void check_stated(const std::string& file, const std::vector<double>& box, const
 
 }  // namespace
 
-FileDomain stated_domain(const std::string& file, const std::vector<double>& box, const std::array<bool, 3>& periodic,
+FileDomain stated_domain(const std::string& file, const std::vector<double>& box, const std::vector<double>& flags,
                          const std::vector<double>& cell, const std::vector<double>& origin,
                          const std::vector<double>& walls) {
     const std::size_t size = box.size() / 2;  // of vectors
@@ -238,10 +248,15 @@ FileDomain stated_domain(const std::string& file, const std::vector<double>& box
         return std::array<double, 3>{from[at], from[at + 1], size == 3 ? from[at + 2] : 0};
     };
     FileDomain domain;
-    domain.periodic_from = DomainSource::stated;
-    if (box.size() != 4 && box.size() != 6) return domain;
+    domain.periodic_from = flags.empty() ? DomainSource::by_default : DomainSource::stated;
+    std::array<bool, 3> periodic{};
+    for (std::size_t k = 0; k < flags.size(); ++k) {
+        if (flags[k] != 0 && flags[k] != 1)
+            throw bad_input(file + ": periodic holds " + to_text(flags[k]) + ", and not 0 or 1 alone");
+        periodic[k] = flags[k] == 1;
+    }
     check_stated(file, box, cell, origin);
-    if (cell.size() == size * size && origin.size() == size) {
+    if (!cell.empty()) {
         domain.cell = votess::TriclinicBox{vector(origin, 0), vector(cell, 0), vector(cell, size),
                                            size == 3 ? vector(cell, 6) : std::array<double, 3>{}, periodic};
         return domain;
@@ -251,6 +266,12 @@ FileDomain stated_domain(const std::string& file, const std::vector<double>& box
     for (std::size_t w = 0; w + size < walls.size(); w += size + 1)
         domain.walls.push_back({vector(walls, w), walls[w + size]});
     return domain;
+}
+
+std::string note_of_unread(const std::string& names, std::size_t dimensions) {
+    return names.empty()
+               ? ""
+               : "not read as the domain, which needs a box of shape (2, " + std::to_string(dimensions) + "): " + names;
 }
 
 void state_cell(FileDomain& domain, const votess::TriclinicBox& cell) {

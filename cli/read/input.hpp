@@ -101,11 +101,14 @@ void refuse_large_integers(std::span<const InputColumn> columns, const std::stri
 // Returns the numbers of a column with one number for each point. Throws Failure when it has more.
 [[nodiscard]] std::span<const double> one_each(const InputColumn& column);
 
-// Returns the domain in the arrays of .npz and .h5: box 6, periodic 3, cell 9 and origin 3 or empty, walls 4 each. In
-// the plane box 4, cell 4, origin 2, walls 3 each. file: for messages. Throws Failure if they contradict each other.
+// Returns the domain in the arrays of .npz and .h5: box 6, periodic 3 or empty, cell 9 and origin 3 or empty, walls 4
+// each. In the plane box 4, periodic 2, cell 4, origin 2, walls 3 each. Without `periodic` no axis repeats. file: for
+// messages. Throws Failure if they contradict each other.
 [[nodiscard]] FileDomain stated_domain(const std::string& file, const std::vector<double>& box,
-                                       const std::array<bool, 3>& periodic, const std::vector<double>& cell,
+                                       const std::vector<double>& periodic, const std::vector<double>& cell,
                                        const std::vector<double>& origin, const std::vector<double>& walls);
+// Returns the note of arrays that would state a domain if there were a box; empty without names.
+[[nodiscard]] std::string note_of_unread(const std::string& names, std::size_t dimensions);
 
 // States a cell. One whose edges are all 0 states the periodic axes alone, as ASE writes atoms without a cell.
 void state_cell(FileDomain& domain, const votess::TriclinicBox& cell);

@@ -138,42 +138,38 @@ private:
         return array.read_numbers(values), values;
     }
 
-    [[nodiscard]] bool has(const char* name, std::size_t rows, std::size_t columns) const {
-        const ZipMember* const member = find(name);
-        return member && fits(open(*member), rows, columns);
-    }
-
-    // Reads the domain in the arrays that clvotess writes. Without `periodic` no axis repeats.
+    // Reads the domain in the arrays that clvotess writes.
     void read_domain(Input& input) const {
         const std::size_t size = input.dimensions;
-        const bool periodic_stated = find("periodic") != nullptr;
-        if (!find("box") || (!periodic_stated && !has("box", 2, size))) return note_unread(input);
-        const std::vector<double> box = numbers("box", 2, size), flags = numbers("periodic", size, 1),
+        const ZipMember* const box = find("box");
+        if (!box || (!find("periodic") && !fits(open(*box), 2, size))) return note_unread(input);
+        const std::vector<double> corners = numbers("box", 2, size), flags = numbers("periodic", size, 1),
                                   cell = numbers("cell", size, size), origin = numbers("origin", size, 1);
-        std::array<bool, 3> periodic{};
-        for (std::size_t k = 0; k < size && periodic_stated; ++k) {
-            if (flags[k] != 0 && flags[k] != 1)
-                throw bad_input(name_ + ": periodic holds " + to_text(flags[k]) + ", and not 0 or 1 alone");
-            periodic[k] = flags[k] == 1;
-        }
-        input.domain = stated_domain(name_, box, periodic, cell, origin, numbers("walls", 0, size + 1));
-        if (!periodic_stated) input.domain.periodic_from = DomainSource::by_default;
+        input.domain = stated_domain(name_, corners, flags, cell, origin, numbers("walls", 0, size + 1));
     }
 
-    // Notes the arrays that would state a domain beside a box.
+    // Notes the arrays that would state a domain beside a box, except those of another shape with a row for each point.
     void note_unread(Input& input) const {
+        struct Of {
+            const char* name;
+            std::size_t rows, columns;
+        };
         const std::size_t size = input.dimensions;
         std::string names;
-        if (find("box")) add_name(names, "box");
-        if (has("periodic", size, 1)) add_name(names, "periodic");
-        if (has("cell", size, size)) add_name(names, "cell");
-        if (has("walls", 0, size + 1)) add_name(names, "walls");
-        if (!names.empty())
-            note("not read as the domain, which needs a box of shape (2, " + std::to_string(size) + "): " + names,
-                 input);
+        for (const auto& [name, rows, columns] : {Of{"box", 2, size}, Of{"periodic", size, 1}, Of{"cell", size, size},
+                                                  Of{"origin", size, 1}, Of{"walls", 0, size + 1}}) {
+            const ZipMember* const member = find(name);
+            if (!member) continue;
+            const NpyArray array = open(*member);
+            const bool of_points = may_be_column(array) && array.shape()[0] == input.size();
+            if (!of_points || fits(array, rows, columns)) add_name(names, name);
+        }
+        note(note_of_unread(names, size), input);
     }
 
-    static void note(const std::string& text, Input& input) { input.note += (input.note.empty() ? "" : "; ") + text; }
+    static void note(const std::string& text, Input& input) {
+        input.note += (input.note.empty() || text.empty() ? "" : "; ") + text;
+    }
 
     // Returns the names of the arrays of x, y and perhaps z.
     [[nodiscard]] std::vector<std::string> axis_names() const {

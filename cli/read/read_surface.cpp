@@ -132,8 +132,7 @@ public:
                 throw lines_.error("the word " + in_quotes(words_[next_ - 1]) + " is unknown, or at a wrong place");
             take_facet();
         }
-        if (open) throw bad_input(lines_.name() + ": the file ends before \"endsolid\"");
-        return std::move(corners_);
+        return std::move(corners_);  // the last `endsolid` may be missing, as other readers allow
     }
 
 private:
@@ -158,7 +157,7 @@ private:
             next_ = facet;
     }
     std::string_view take() {
-        if (!find_word()) throw bad_input(lines_.name() + ": the file ends before \"endsolid\"");
+        if (!find_word()) throw bad_input(lines_.name() + ": the file ends inside a facet");
         return words_[next_++];
     }
     void take(const char* expected) {
@@ -281,6 +280,8 @@ Surface parse_obj(std::string_view text, const std::string& name) {
 
 Surface parse_stl(std::string_view bytes, const std::string& name) {
     constexpr std::size_t head = 84;
+    if (!has_binary_size(bytes))  // DOS marks the end of a file by Ctrl-Z
+        bytes = bytes.substr(0, bytes.find_last_not_of('\x1a') + 1);
     const std::string begin = lower_case(bytes.substr(0, head));
     const auto word = begin.find_first_not_of(std::string(blanks) + "\n\xef\xbb\xbf");
     const bool is_text = word != std::string::npos && begin.compare(word, 5, "solid") == 0 &&

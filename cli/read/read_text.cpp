@@ -410,9 +410,6 @@ private:
             throw lines_.error("this row has " + columns_text(columns) + ", the line of names " +
                                std::to_string(names_.size()));
         }
-        const std::size_t side_by_side = request_.coordinates.size() + request_.columns.size();
-        if (request_.npy_holds_columns && columns != side_by_side)
-            throw lines_.error("this row has " + columns_text(columns) + ", expected " + std::to_string(side_by_side));
         Layout layout;
         if (!request_.coordinates.empty()) {
             layout.axes = axes_of(columns);
@@ -464,6 +461,10 @@ private:
         columns_ = row.count;
         take_comment(columns_);
         if (names_.empty()) check_first_row(row);
+        const std::size_t side_by_side = request_.coordinates.size() + request_.columns.size();
+        if (request_.npy_holds_columns && columns_ != side_by_side)
+            throw lines_.error("this row has " + columns_text(columns_) + ", expected the " +
+                               std::to_string(side_by_side) + " of a ray: origin, direction and length");
         const std::vector<std::string> own = names_or_numbers(names_, columns_);
         const Words names(own.begin(), own.end());
         places_.emplace(request_, names, lines_.place());

@@ -18,43 +18,16 @@
 namespace clvotess {
 namespace {
 
-// Returns the value of `key=`, without quotes or brackets around it. The case of the key does not matter. Blanks
-// replace the commas of an array in square brackets; those within stay.
-std::optional<std::string> value_of(std::string_view comment, std::string_view key) {
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    for (std::size_t at = 0; at < comment.size();) {
-        if (blank(comment[at])) {
-            ++at;
-            continue;
-        }
-        const std::size_t begin = at;
-        while (at < comment.size() && !blank(comment[at]) && comment[at] != '=') ++at;
-        const bool found = lower_case(comment.substr(begin, at - begin)) == key;
-        if (at == comment.size() || comment[at] != '=') continue;
-        ++at;
-        constexpr std::string_view opening = "\"'{[", closing = "\"'}]";
-        const std::size_t bracket = at < comment.size() ? opening.find(comment[at]) : std::string_view::npos;
-        std::size_t end = at;
-        if (bracket != std::string_view::npos) {
-            const bool quoted = opening[bracket] == closing[bracket];
-            std::size_t inner = 0;  // brackets
-            for (end = ++at; end < comment.size() && (comment[end] != closing[bracket] || inner > 0); ++end) {
-                if (quoted && comment[end] == '\\') ++end;  // ASE writes \" for a quote in a text
-                if (opening[bracket] == '[' && comment[end] == '[') ++inner;
-                if (opening[bracket] == '[' && comment[end] == ']') --inner;
-            }
-            end = std::min(end, comment.size());
-        } else {
-            while (end < comment.size() && !blank(comment[end])) ++end;
-        }
-        if (found) {
-            std::string value(comment.substr(at, end - at));
-            if (bracket == opening.find('[')) std::ranges::replace(value, ',', ' ');
-            return value;
-        }
-        at = end + (bracket == std::string_view::npos ? 0 : 1);
+constexpr std::array<std::string_view, 6> known_keys{"lattice", "origin", "pbc", "properties", "timestep", "step"};
+
+// Returns whether a text holds `key=` of a known key.
+bool hides_key(std::string_view text) {
+    for (std::size_t at = text.find('='); at < text.size(); at = text.find('=', at + 1)) {
+        const std::string_view before = text.substr(0, text.substr(0, at).find_last_not_of(" \t") + 1);
+        const std::string key = lower_case(before.substr(before.find_last_of(" \t=\"'{[,") + 1));
+        if (std::ranges::find(known_keys, std::string_view(key)) != known_keys.end()) return true;
     }
-    return std::nullopt;
+    return false;
 }
 
 class XyzReader {
@@ -66,6 +39,7 @@ public:
         read_count();
         std::string_view comment;
         static_cast<void>(lines_.next(comment));  // may be missing in a file without rows
+        read_pairs(comment);
         Input input;
         input.domain = read_domain(comment);
         names_.clear();
@@ -73,10 +47,10 @@ public:
         first_.reset();
         id_.reset();
         wanted_.reset();
-        const auto properties = value_of(comment, "properties");
+        const auto properties = value_of("properties");
         if (properties) read_properties(*properties);
         for (const char* const key : {"timestep", "step"}) {
-            if (const auto step = value_of(comment, key); step && std::isfinite(read_double(*step).value_or(NAN)))
+            if (const auto step = value_of(key); step && std::isfinite(read_double(*step).value_or(NAN)))
                 input.timestep = *step;
         }
         const auto count = static_cast<std::size_t>(count_);
@@ -106,6 +80,75 @@ public:
     [[nodiscard]] const LineReader& lines() const noexcept { return lines_; }
 
 private:
+    // Reads the pairs `key=value` of a comment. Values may be in quotes or brackets, and blanks around the `=`. The
+    // case of a key does not matter. Throws Failure for a quote or bracket that hides a known key, and for a key with
+    // two values.
+    void read_pairs(std::string_view comment) {
+        pairs_.clear();
+        const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+        const auto behind_blanks = [&](std::size_t at) {
+            while (at < comment.size() && blank(comment[at])) ++at;
+            return at;
+        };
+        const auto end_of_word = [&](std::size_t at) {
+            while (at < comment.size() && !blank(comment[at])) ++at;
+            return at;
+        };
+        for (std::size_t at = behind_blanks(0); at < comment.size(); at = behind_blanks(at)) {
+            const std::size_t begin = at;
+            while (at < comment.size() && !blank(comment[at]) && comment[at] != '=') ++at;
+            const std::string key = lower_case(comment.substr(begin, at - begin));
+            const std::size_t sign = behind_blanks(at);
+            if (sign == comment.size() || comment[sign] != '=') continue;
+            at = sign + 1;
+            if (const std::size_t word = behind_blanks(at); word < comment.size()) {
+                const bool is_key = comment.find('=', word) < end_of_word(word);
+                constexpr std::string_view opening = "\"'{[";
+                if (!is_key || opening.find(comment[word]) != std::string_view::npos) at = word;
+            }
+            add_pair(key, comment, at, end_of_word(at));
+        }
+    }
+
+    // Adds the value that begins at `at`, and goes behind it. end: of the word there.
+    void add_pair(const std::string& key, std::string_view comment, std::size_t& at, std::size_t end) {
+        constexpr std::string_view opening = "\"'{[", closing = "\"'}]";
+        const std::size_t bracket = at < comment.size() ? opening.find(comment[at]) : std::string_view::npos;
+        const bool is_bare = bracket == std::string_view::npos, is_array = bracket == opening.find('[');
+        const std::size_t first = is_bare ? at : at + 1;
+        if (!is_bare) {
+            const bool quoted = opening[bracket] == closing[bracket];
+            std::size_t inner = 0;  // brackets
+            for (end = first; end < comment.size() && (comment[end] != closing[bracket] || inner > 0); ++end) {
+                if (quoted && comment[end] == '\\') ++end;  // ASE writes \" for a quote in a text
+                if (is_array && comment[end] == '[') ++inner;
+                if (is_array && comment[end] == ']') --inner;
+            }
+            end = std::min(end, comment.size());
+        }
+        std::string value(comment.substr(first, end - first));
+        at = std::min(end + (is_bare ? 0 : 1), comment.size());
+        const bool ends_well = at < comment.size() ? comment[at] == ' ' || comment[at] == '\t' || comment[at] == '\r'
+                                                   : end < comment.size();
+        if (!is_bare && !ends_well && hides_key(value))
+            throw lines_.error(std::string("the ") + opening[bracket] + " before " + in_quotes(value) +
+                               " has no end before other keys: close it");
+        if (std::ranges::find(known_keys, std::string_view(key)) == known_keys.end()) return;
+        if (is_array) std::ranges::replace(value, ',', ' ');
+        if (const auto other = value_of(key); other && *other != value)
+            throw lines_.error(key + " has two values, " + in_quotes(*other) + " and " + in_quotes(value) +
+                               ": leave one");
+        pairs_.emplace_back(key, std::move(value));
+    }
+
+    // Returns the value of a key, without quotes or brackets around it. Blanks replace the commas of an array in square
+    // brackets; those within stay.
+    [[nodiscard]] std::optional<std::string> value_of(std::string_view key) const {
+        for (const auto& [name, value] : pairs_)
+            if (name == key) return value;
+        return std::nullopt;
+    }
+
     // Reads the count of a frame.
     void read_count() {
         std::string_view line;
@@ -224,13 +267,16 @@ private:
         FileDomain domain;
         domain.periodic_from = DomainSource::assumed;
         std::optional<votess::TriclinicBox> cell;
-        if (auto lattice = value_of(comment, "lattice")) {
+        if (auto lattice = value_of("lattice")) {
             // The columns of a matrix are edges: the package extxyz writes and reads them so (0.2.2 and 0.4.6).
             const bool is_matrix = join_rows(*lattice);
-            auto n = numbers_of("Lattice", *lattice, 9);
+            split_words(*lattice, words_);
+            const bool is_diagonal = !is_matrix && words_.size() == 3;
+            auto n = numbers_of("Lattice", *lattice, is_diagonal ? 3 : 9);
+            if (is_diagonal) n = {n[0], 0, 0, 0, n[1], 0, 0, 0, n[2]};
             if (is_matrix) std::swap(n[1], n[3]), std::swap(n[2], n[6]), std::swap(n[5], n[7]);
             cell = votess::TriclinicBox{.a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
-            const auto origin = value_of(comment, "origin");
+            const auto origin = value_of("origin");
             domain.corner_from = origin ? DomainSource::stated : DomainSource::assumed;
             if (origin) {
                 const auto corner = numbers_of("Origin", *origin, 3);
@@ -239,8 +285,9 @@ private:
         } else {
             cell = cell_of_ipi(comment);
         }
-        if (const auto pbc = value_of(comment, "pbc")) {
+        if (const auto pbc = value_of("pbc")) {
             split_words(*pbc, words_);
+            if (words_.size() == 1) words_.resize(3, words_[0]);
             if (words_.size() != 3) throw lines_.error("pbc must be three of T or F, not " + in_quotes(*pbc));
             domain.periodic_from = DomainSource::stated;
             std::array<bool, 3>& periodic = cell ? cell->periodic : domain.periodic;
@@ -305,8 +352,9 @@ private:
     ReadRequest request_;
     Words words_;
     std::uint64_t count_ = 0, frames_ = 0;
-    std::vector<std::string> names_;  // of the columns, by Properties
-    Words row_of_zeros_;              // as rows of these columns are
+    std::vector<std::pair<std::string, std::string>> pairs_;  // known keys of the comment, in lower case, and values
+    std::vector<std::string> names_;                          // of the columns, by Properties
+    Words row_of_zeros_;                                      // as rows of these columns are
     std::optional<std::size_t> first_, id_;
     std::optional<ColumnPlaces> wanted_;  // known from the first row
 };
@@ -324,6 +372,7 @@ std::unique_ptr<InputFrames> open_xyz_frames(std::unique_ptr<TextSource>& source
         check_last_line(head, source->name());
     }
     if (!holds_frames(head, source->name())) return nullptr;
+    if (request.npy_holds_columns) throw bad_input(source->name() + ": rays are rows of text without a count first");
     if (!request.coordinates.empty())
         throw bad_input(source->name() + ": --columns goes with rows, not with frames, whose Properties name pos");
     return std::make_unique<TextFrames<XyzReader>>(std::move(source), FrameKind::xyz, request, std::move(head));

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "failure.hpp"
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
 #include "in_order.hpp"
@@ -139,17 +140,38 @@ Table results_of(const OutputData& data) {
     return table;
 }
 
+// Returns whether two columns have the same numbers or words.
+bool are_equal(const TableColumn& a, const TableColumn& b, std::size_t rows) {
+    for (std::size_t i = 0; i < rows; ++i) {
+        OutputBuffer of_a, of_b;
+        a.put(of_a, i, ' ');
+        b.put(of_b, i, ' ');
+        if (of_a.bytes() != of_b.bytes()) return false;
+    }
+    return true;
+}
+
+// Adds the columns of --copy, except those that the table has: the radius, and the species of the seeds by any name.
+// Throws Failure for one of a name that the table has for another.
 void add_carried(const OutputData& data, Table& table) {
     for (const InputColumn& column : data.carried) {
-        const auto has = [&](std::string_view name) {
-            return std::ranges::find(table, name, &TableColumn::name) != table.end();
-        };
-        const bool named = column.name == "species" && (has("element") || has("type"));
-        if (named || has(column.name)) continue;  // the radius, or the species of the seeds
         const auto integer = [&column](std::size_t k) { return column.integer(k); };
-        table.push_back(column.of_integers     ? of_numbers(column.name, column.width, integer)
-                        : column.words.empty() ? of_numbers(column.name, std::span(column.values), column.width)
-                                               : words(column.name, column.words));
+        TableColumn own = column.of_integers     ? of_numbers(column.name, column.width, integer)
+                          : column.words.empty() ? of_numbers(column.name, std::span(column.values), column.width)
+                                                 : words(column.name, column.words);
+        bool is_there = false, is_taken = false;
+        for (const TableColumn& other : table) {
+            const bool named = other.name == own.name, of_species = other.name == "element" || other.name == "type";
+            if (!named && !(own.name == "species" && of_species)) continue;
+            const bool equal = are_equal(own, other, data.tessellation.size());
+            is_there = is_there || equal;
+            is_taken = is_taken || (named && !equal);
+        }
+        if (is_there) continue;
+        if (is_taken)
+            throw bad_input("cannot carry the column " + in_quotes(own.name) +
+                            ", for the file has another one of that name: rename the column");
+        table.push_back(std::move(own));
     }
 }
 

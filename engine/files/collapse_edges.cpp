@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
+#include <optional>
 #include <ranges>
 #include <span>
 
@@ -61,22 +62,28 @@ public:
         for (std::size_t i = 0; i < volumes_.size(); ++i) volumes_[i] = volume_range(i, origin_of(i))[0];
     }
 
-    // Returns the number of edges below the length that remain.
-    std::uint64_t collapse(double length) {
+    // Returns the numbers of edges below the length that remain.
+    ShortEdges collapse(double length) {
         std::vector<Edge> edges = short_edges(length);
+        ShortEdges stay{};  // of the last round
         for (bool any = true; any;) {
             any = false;
+            stay = {};
             for (std::size_t e = 0; e < edges.size(); ++e) {
                 if (e % edges_per_stop == 0) check_stop();
                 const Edge& edge = edges[e];
                 // One earlier step may have taken it.
-                if (is_edge(edge))
-                    any |= attempt(edge) || attempt({edge.dropped, edge.kept}) || attempt_cluster(edge, length);
+                if (!is_edge(edge)) continue;
+                const auto reason = attempt(edge);
+                if (!reason || !attempt({edge.dropped, edge.kept}) || attempt_cluster(edge, length))
+                    any = true;
+                else
+                    ++stay[static_cast<std::size_t>(*reason)];
             }
             edges = short_edges(length);
         }
         store();
-        return edges.size();
+        return stay;
     }
 
 private:
@@ -149,22 +156,26 @@ private:
         return true;
     }
 
-    bool attempt(const Edge& edge) {
+    // Returns why the edge stays; nothing if it went.
+    std::optional<Stays> attempt(const Edge& edge) {
         std::vector<Edge> images;
         add_images(edge, images);
-        if (!takes_all_images(images)) return false;
+        if (!takes_all_images(images)) return Stays::images;
         std::vector<std::size_t> faces;
         for (const Edge& one : images) {
             const auto& walls = walls_[at(one.dropped)];
-            if (!std::ranges::includes(walls_[at(one.kept)], walls)) return false;
+            if (!std::ranges::includes(walls_[at(one.kept)], walls)) return Stays::walls;
             // Both vertices at the boundary, but the edge inside: the boundary would be pinched.
-            if (is_at_boundary(one.kept) && is_at_boundary(one.dropped) && !is_edge_of_boundary(one)) return false;
+            if (is_at_boundary(one.kept) && is_at_boundary(one.dropped) && !is_edge_of_boundary(one))
+                return Stays::walls;
             for (const Edge& other : images)
-                if (one.kept == other.dropped || (one.dropped == other.dropped && one.kept != other.kept)) return false;
+                if (one.kept == other.dropped || (one.dropped == other.dropped && one.kept != other.kept))
+                    return Stays::images;
             const auto& own = faces_of_[at(one.dropped)];
             faces.insert(faces.end(), own.begin(), own.end());
         }
-        return merge(images, {}, faces);
+        if (merge(images, {}, faces)) return std::nullopt;
+        return Stays::shape;
     }
 
     // A vertex of a cluster, or an image of one.
@@ -523,7 +534,7 @@ private:
 
 }  // namespace
 
-std::uint64_t collapse_edges(SharedMesh& mesh, double length) {
+ShortEdges collapse_edges(SharedMesh& mesh, double length) {
     return Collapser(mesh).collapse(length);
 }
 

@@ -72,10 +72,30 @@ class FrameFiles(ReaderTest):
         self.assertEqual(self.json(name, "--periodic", "none")["domain"]["from"], "default")
         box = ["--box=-1,-1,-1,3,3,3"]
         self.assertEqual(self.json(name, *box)["domain"]["periodic"], [True, False, True])
-        for comment, says in [('Lattice="1 2 3"', "9 numbers"), ('Lattice="1 0 0 0 1 0 0 0 a"', "'a'"),
+        for comment, says in [('Lattice="1 2 3 4"', "9 numbers"), ('Lattice="1 0 0 0 1 0 0 0 a"', "'a'"),
                               ('pbc="T T"', "three"), ('pbc="T T x"', "'T T x'"), ("Properties=pos:R:2", "pos:R:3"),
                               ("Properties=species:S:1:pos:R", "pos:R:3"), ("Properties=pos:R:3", "4 columns")]:
             self.refuse(file(comment), says=["a.xyz:", says])
+
+    def test_pairs_of_comments(self):
+        """Every key that is read is read, or its comment is refused: blanks around =, quotes and brackets without end."""
+        lattice, rows = 'Lattice="5 0 0 0 6 0 0 0 7"', "Cu 1 1 1\nCu 2 3 4\n"
+
+        def file(comment):
+            return self.put("a.xyz", f"2\n{comment}\n{rows}")
+
+        for comment in ("Lattice=[5,6,7]", "Lattice=[5 6 7]", 'Lattice="5 6 7"', "Lattice = [5, 6, 7]", lattice.replace("=", "= "), lattice.replace("=", " ="),
+                        f"a= {lattice}", f"a=b = {lattice}", f"title='don't' {lattice}", f'a=b"c d" {lattice}', f"{lattice} {lattice}", lattice[:-1],
+                        f'a="pbc=x" {lattice}', f"{lattice} pbc=T", f'{lattice} note="5 inch', f"= {lattice}", f"a = = {lattice}"):
+            with self.subTest(comment):
+                domain = self.json(file(comment))["domain"]
+                self.assertEqual((domain["from"], domain["upper"], domain["periodic"]), ("stated", [5, 6, 7], [True] * 3))
+        self.assertEqual(self.json(file(f'pbc = "T F T" {lattice} a'))["domain"]["periodic"], [True, False, True])
+        for comment, says in ((f'{lattice} a=[1 2 pbc="F F F"', "the [ before '1 2 pbc="), (f'a="x {lattice}', """the " before 'x Lattice='"""),
+                              (f"a=[[1, 2], [3, 4] {lattice}", "the [ before"), (f"a={{1 2 {lattice}", "the { before"), (f"a='1 2 {lattice}", "the ' before"),
+                              (f'{lattice[:-1]} pbc="F F F"', """the " before '5 0"""), (f'{lattice[:-1]} pbc = "F F F"', """the " before '5 0"""),
+                              (f'{lattice} Lattice="8 0 0 0 8 0 0 0 8"', "lattice has two values"), (f"{lattice} pbc=T pbc=F", "pbc has two values")):
+            self.refuse(file(comment), says=["a.xyz:2: ", says])
 
     def test_cells_that_lack_edges(self):
         """A slab without vacuum, as ASE 3.29 and ZnH5MD write it, has no end there; a cell of zeros is none."""

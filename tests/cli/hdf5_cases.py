@@ -271,6 +271,38 @@ class Hdf5Files(Hdf5Test):
                         file.attrs[name] = value
             self.refuse("b.h5", "--dataset", "centroids", says=["b.h5: ", says])
 
+    def test_attributes_that_are_no_domain(self):
+        """Attributes of the root state a domain as arrays of .npz do; none is ignored silently."""
+        points, box, flags = random_points(20), np.array([(0, 0, 0), (2, 3, 4.0)]), np.ones(3)
+
+        def put(walls=None, **attributes):
+            self.save("a.h5", points=points, **({} if walls is None else {"walls": walls}))
+            with h5py.File(self.folder / "a.h5", "a") as file:
+                file.attrs.update(attributes)
+
+        put(box=box)
+        self.assertEqual(self.json("a.h5")["domain"]["upper"], [2, 3, 4])
+        for arrays, unread in [({"periodic": flags}, "periodic"), ({"cell": np.eye(3), "origin": np.zeros(3)}, "cell origin"),
+                               ({"box": np.ones(3)}, "box"), ({"box": box.ravel()}, "box"), ({"box": box.T}, "box"), ({"box": "cubic"}, "box"),
+                               ({"walls": np.ones((2, 4))}, "walls")]:
+            put(**arrays)
+            self.assertEqual(self.json("a.h5")["input"], f"not read as the domain, which needs a box of shape (2, 3): {unread}")
+        for arrays, says in [({"box": box, "periodic": flags[:2]}, "periodic does not hold 3 numbers"), ({"box": box, "periodic": flags * 2}, "periodic holds 2"),
+                             ({"box": box.T, "periodic": flags}, "box does not hold 2 rows of 3 numbers"), ({"box": np.ones(3), "periodic": flags}, "box does not hold 2 rows"),
+                             ({"box": box, "cell": np.ones(3), "origin": flags}, "cell does not hold 3 rows of 3"),
+                             ({"box": box, "walls": np.ones((2, 3))}, "expected shape (W, 4) of floats"),
+                             ({"box": [(-np.inf,) * 3, (np.inf,) * 3], "periodic": flags, "cell": np.eye(3), "origin": np.zeros(3)}, "along x, the cell from 0 to 1")]:
+            put(**arrays)
+            self.refuse("a.h5", says=["a.h5: ", says])
+        self.save("a.h5", {"BoxSize": 0.0}, PartType1__Coordinates=points)
+        self.assertIn("no length: BoxSize", self.json("a.h5")["input"])
+        for name, value in (("edges", np.ones(5)), ("edges", np.ones(2)), ("boundary", [b"periodic"]), ("boundary", b"none")):
+            self.save("a.h5", particles__all__position=points)
+            with h5py.File(self.folder / "a.h5", "a") as file:
+                own = file.create_group("particles/all/box").attrs
+                own.update({"edges": np.ones(3), "boundary": [b"periodic"] * 3, name: value})
+            self.refuse("a.h5", says=[f"particles/all/box/{name} does not hold 3 "])
+
     def test_output_equals_npz(self):
         words = "neighbors,volumes,centroids,areas,normals,surfaces,radii,counts,vertices,faces"
         duplicates = self.put("d.txt", "0 0 0\n1 0 0\n0 0 0\n0 1 0.5\n")

@@ -51,6 +51,20 @@ class LammpsFiles(ReaderTest):
             got = self.rows("a.dump", "--copy", "type", "--format", "%i")
             self.assertEqual([line.split()[-1] for line in got], types)
 
+    def test_species_beside_elements(self):
+        """A column of --copy that the output names otherwise, or not at all, is never lost."""
+        self.put("a.dump", self.dump("id type species element x y z", ["1 1 aa H 0.1 0.2 0.3", "2 2 bb O 0.4 0.5 0.6"]))
+        self.run_cli("a.dump", "--copy", "species,element,type", "-o", "b.dump", "-o", "b.csv")
+        for name, mark in (("b.dump", " "), ("b.csv", ",")):
+            head, *rows = [line.split(mark) for line in (self.folder / name).read_text().splitlines()[-3:]]
+            head = head[2:] if mark == " " else head
+            self.assertEqual([[row[head.index(of)] for of in ("species", "element", "type")] for row in rows], [["aa", "H", "1"], ["bb", "O", "2"]])
+        self.refuse("a.dump", "--copy", "species", "-o", "b.xyz", says="cannot carry the column 'species', for the file has another one")
+        self.run_cli("a.dump", "--copy", "element,type", "-o", "b.xyz")
+        self.put("r.csv", "x,y,z,a,radius\n0,0,0,1,2\n1,1,1,1,3\n")
+        self.refuse("r.csv", "--radii", "a", "--copy", "radius", "-o", "b.csv", says="cannot carry the column 'radius'")
+        self.run_cli("r.csv", "--radii", "radius", "--copy", "radius", "-o", "b.csv")
+
     def test_dump_scaled(self):
         scaled = random_points(30)
         rows = text_of(scaled).splitlines()

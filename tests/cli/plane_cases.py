@@ -285,7 +285,7 @@ class Plane(CliTest):
         for q, row in enumerate(rows):
             self.assertAlmostEqual(sum(map(float, row.split()[1::2])), 0.5, 12)
             self.assertEqual(int(row.split()[0]), ((away[q] - np.round(away[q]))**2).sum(axis=1).argmin())
-        self.refuse("a.txt", "--trace", "q.txt", "-o", "r.txt", says="no column '3'")
+        self.refuse("a.txt", "--trace", "q.txt", "-o", "r.txt", says="expected the 5 of a ray")
 
     def test_grids(self):
         points = plane_points()

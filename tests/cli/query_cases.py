@@ -293,11 +293,17 @@ class Trace(CliTest):
         self.refuse("p.txt", "--trace", "rays.txt", says="--trace needs an output")
         self.refuse("p.txt", "--trace", "rays.txt", "-o", "a.csv", says=".npz and .txt")
         self.refuse("p.txt", "--trace", "rays.txt", "--locate", "rays.txt", "-o", "a.txt", says="--trace")
-        self.put("short.txt", "0.5 0.5 0.5 1 0 0\n")
-        self.refuse("p.txt", "--trace", "short.txt", "-o", "a.txt", says="no column '7'")
+        for count in (3, 6, 8):
+            rows = ",".join("xyzabcde"[:count]) + "\n" + ",".join(["0.5"] * count) + "\n"
+            self.put("row.csv", rows)
+            self.put("row.txt", rows.split("\n")[1].replace(",", " ") + "\n")
+            for name in ("row.csv", "row.txt"):
+                self.refuse("p.txt", "--trace", name, "-o", "a.txt",
+                            says=f"this row has {count} columns, expected the 7 of a ray: origin, direction and length")  # fmt: skip
+        for name, says in (("a.npz", "not 'a.npz'"), ("a.dump", "not 'a.dump'"), ("POSCAR", "not 'POSCAR'"), ("a.xyz", "without a count first")):
+            self.put(name, "1\n\nH 0 0 0\n")
+            self.refuse("p.txt", "--trace", name, "-o", "a.txt", says=("rays are rows of text", says))
         self.put("short.npy", np.ones((2, 6)))
-        self.put("long.txt", "0 0 0 1 0 0 1 1\n")
-        self.refuse("p.txt", "--trace", "long.txt", "-o", "a.txt", says="this row has 8 columns, expected 7")
         self.refuse("p.txt", "--trace", "short.npy", "-o", "a.txt", says="expected (N, 7)")
         self.put("still.txt", "0.5 0.5 0.5 0 0 0 1\n")
         self.refuse("p.txt", "--trace", "still.txt", "-o", "a.txt", says="direction is 0")

@@ -142,10 +142,13 @@ class ArrayFiles(ReaderTest):
                 self.assertIn("not periodic", text)
                 self.assertNotIn("not read", text)
                 self.assertEqual(self.json("a.npz")["box_volume"], 24)
-        for arrays, unread in [({"periodic": np.ones(3)}, "periodic"), (cell, "cell"), ({"walls": np.ones((2, 4))}, "walls"),
-                               ({"box": np.ones(3), **cell}, "box cell")]:
+        for arrays, unread in [({"periodic": np.ones(3)}, "periodic"), (cell, "cell origin"), ({"walls": np.ones((2, 4))}, "walls"),
+                               ({"box": np.ones(3), **cell}, "box cell origin"), ({"origin": np.zeros(3)}, "origin"),
+                               ({"cell": np.ones(3), "periodic": np.ones(2), "walls": np.ones((1, 3))}, "periodic cell walls")]:
             with self.subTest(list(arrays)):
-                self.assertIn(f"which needs a box of shape (2, 3): {unread}\n", summary(**arrays))
+                note = f"not read as the domain, which needs a box of shape (2, 3): {unread}"
+                self.assertIn(f" {note}\n", summary(**arrays))
+                self.assertEqual(self.json("a.npz")["input"], note)
         self.assertNotIn("not read", summary(periodic=np.ones(20), cell=np.ones(20)))  # numbers of the points
         np.savez(self.folder / "a.npz", points=points, box=box, origin=box[0])
         self.assertEqual(self.json("a.npz")["domain"]["from"], "stated")
@@ -159,6 +162,9 @@ class ArrayFiles(ReaderTest):
                              ({"box": box, "cell": cell["cell"]}, "there is a cell, and no origin: a cell needs both"),
                              ({"box": box, **cell, "origin": np.ones(3)}, "box goes from 0 to 2 along x, the cell from 1 to 3"),
                              ({"box": box, **cell, "cell": np.diag([2, 3, 5.0])}, "box goes from 0 to 4 along z, the cell from 0 to 5"),
+                             ({"box": np.array([(-np.inf,) * 3, (np.inf,) * 3]), **cell}, "box goes from -inf to inf along x, the cell from 0 to 2"),
+                             ({"box": np.array([(0, 0, 0), (2, 3, np.inf)]), **cell}, "box goes from 0 to inf along z, the cell from 0 to 4"),
+                             ({"box": np.array([(0, -np.inf, -np.inf), (2, np.inf, np.inf)]), **cell, "cell": np.diag([2, 3, 0.0])}, "box goes from -inf to inf along y"),
                              ({"box": np.ones(3), "periodic": np.ones(3)}, "box does not hold numbers with shape (2, 3)")]:
             np.savez(self.folder / "a.npz", points=points, **arrays)
             self.refuse("a.npz", says=["a.npz: " + says])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import difflib
 import inspect
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, TypedDict, TypeVar, Union
@@ -10,7 +11,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_number, as_word, require_one_of, shown
-from ._call import Handle, run
+from ._call import Handle, raise_on_failure, run
 from ._input import as_box, as_cell, as_mesh, as_origin, as_periodic, as_walls
 from ._library import lib
 
@@ -184,8 +185,9 @@ class Domain:
 
     Raises
     ------
-    ValueError, TypeError : arguments of wrong form or of different dimensions. Others, as a box whose ends are exchanged,
-        are refused when cells are made.
+    ValueError, TypeError, VotessError : arguments of wrong form or of different dimensions, and those that exclude each other.
+        Periodic axes without a box, edges of a cell in one plane, and a mesh that reaches out of its box are refused when
+        cells are made.
 
     >>> slab = vt.Domain(box=box, periodic="xy")
     >>> vt.tessellate(points, slab).domain == slab
@@ -198,9 +200,24 @@ class Domain:
 
     @with_short_forms
     def __init__(self, **keywords: Unpack[DomainKeywords]) -> None:
+        self._set(keywords)
+        self._check()
+
+    def _set(self, keywords: Mapping[str, Any]) -> None:
         values, sizes = _checked(keywords)
         object.__setattr__(self, "_values", values)
         object.__setattr__(self, "_sizes", sizes)
+
+    def _check(self) -> None:
+        """Refuses what is wrong for any points, except periodic axes without a box, as some files state them."""
+        d = self.dimensions or 3
+        options = _c_api.Options()
+        raise_on_failure(lib.votess_options_init(options, ctypes.sizeof(options)))
+        options.planar = d == 2
+        self._fill(options, np.eye(d + 1, d))
+        if not self._has_ends:
+            options.periodic[:] = (False,) * 3
+        raise_on_failure(lib.votess_options_implied_want(options, ctypes.c_uint32()))
 
     @classmethod
     def box(
@@ -282,8 +299,10 @@ class Domain:
         return Domain(**{**self._keywords(), **keywords})
 
     def _keywords(self) -> Any:
-        """Returns the short forms of the domain."""
+        """Returns the short forms of the domain, without an origin of 0, which no cell needs."""
         values = dict(self._values)
+        if self.origin is not None and not self.origin.any():
+            del values["origin"]
         if self.limits is not None:
             values["box"] = self.limits.ravel()  # (2, 2) could be read in two ways
         return values
@@ -347,7 +366,7 @@ class Domain:
         raise AttributeError(f"a Domain does not change: use replace() instead of setting {name}")
 
     def __reduce__(self) -> Any:
-        return _domain_of, (self._keywords(),)
+        return domain_of, (self._keywords(),)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Domain):
@@ -413,8 +432,11 @@ class Domain:
             options.walls, options.wall_count = facets, len(facets)
 
 
-def _domain_of(keywords: Any) -> Domain:
-    return Domain(**keywords)
+def domain_of(keywords: Any) -> Domain:
+    """Returns the domain of these short forms, which is checked when cells are made."""
+    domain = Domain.__new__(Domain)
+    domain._set(keywords)
+    return domain
 
 
 def _equal(a: Any, b: Any) -> bool:
@@ -431,13 +453,13 @@ DomainLike = Union[Domain, "npt.ArrayLike"]  # a domain, or a box
 def as_domain(domain: Any, keywords: Any, name: str = "domain") -> Domain:
     """Returns the domain of a call: the given one, a given box with short forms, or that of the short forms alone."""
     if domain is None:
-        return Domain(**keywords)
+        return domain_of(keywords)
     if not isinstance(domain, Domain):
         if not isinstance(domain, (list, tuple, np.ndarray)):
             raise TypeError(f"{name} is {shown(domain)}: give a pyvotess.Domain, a box, or box=, cell= or mesh=")
         if keywords.get("box") is not None:
             raise ValueError(f"box and {name} are both given: leave one out")
-        return Domain(**{**keywords, "box": as_box(domain, name).ravel()})
+        return domain_of({**keywords, "box": as_box(domain, name).ravel()})
     _checked(keywords)
     for short, value in keywords.items():
         if value is not None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence,
 
 import numpy as np
 
-from ._domain import Domain
+from ._domain import Domain, domain_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -114,13 +114,12 @@ class _File:
         return self.element(box, "edges", frame).astype(float), flags.astype(bool)
 
     def domain(self, frame: int) -> Optional[Domain]:
-        own = self.file.attrs
-        if "periodic" in own:  # a file that votess wrote
+        own, size = self.file.attrs, self.set.shape[-1]
+        if "box" in own and ("periodic" in own or np.size(own["box"]) == 2 * size):  # as votess writes it
             names = ("cell", "origin") if np.size(own.get("cell", ())) else ("box",)
             found: Any = {name: np.ravel(own[name]).astype(float) for name in names}
             walls = np.array(self.file["walls"], float) if "walls" in self.file else ()
-            return Domain(**found, periodic=tuple(bool(axis) for axis in np.ravel(own["periodic"])), walls=walls)
-        size = self.set.shape[-1]
+            return domain_of({**found, "periodic": tuple(bool(axis) for axis in np.ravel(own.get("periodic", [False] * size))), "walls": walls})
         periodic: Any = [False] * size
         edges: Any = ()
         if self.particles and f"{self.particles}/box" in self.file:
@@ -139,12 +138,12 @@ class _File:
             periodic = [bool(np.ravel(flag)[0])] * 3
         axes = tuple(bool(axis) for axis in periodic)
         if len(edges) == size and np.all(edges):
-            return Domain.box(np.concatenate((np.zeros(size), edges)), periodic=axes)
+            return domain_of({"box": np.concatenate((np.zeros(size), edges)), "periodic": axes})
         if len(edges) == size:  # no end along an edge that is 0
             edges = np.diag(edges)
         if np.size(edges) == size * size and np.any(edges):
-            return Domain.cell(np.reshape(edges, (size, size)), origin=np.zeros(size), periodic=axes)
-        return Domain(periodic=axes) if any(axes) else None
+            return domain_of({"cell": np.reshape(edges, (size, size)), "periodic": axes})
+        return domain_of({"periodic": axes}) if any(axes) else None
 
     def column(self, path: str, frame: int) -> npt.NDArray[Any]:
         values: Any = self.file[path]

@@ -342,6 +342,8 @@ class SeedCells(Cells):
         held = super()._held(name)
         if held is None and name == "ids" and len(self) < len(self._points):
             return np.empty(0, np.int32)  # only=[]
+        if held is None and name == "weights" and self._seed_weights is not None:
+            return np.empty(0)  # only=[]
         if held is None and name == "mesh_areas" and self.in_mesh and "surfaces" in self.wanted:
             return np.empty(0)  # no seeds
         return held

@@ -21,7 +21,7 @@ from . import _library
 from ._arguments import as_flag, as_path, as_text, counted, shown
 from ._call import VotessError
 from ._c_api import ErrorCode
-from ._domain import SHORT_FORMS, Domain
+from ._domain import SHORT_FORMS, Domain, domain_of
 from ._frames_of_hdf5 import frames_of
 from .tessellator import Tessellator, tessellate
 
@@ -132,7 +132,7 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
     return Frame(
         number=head["frame"],
         points=points,
-        domain=Domain(**domain) if domain else None,
+        domain=domain_of(domain) if domain else None,
         timestep=float(head["timestep"]) if head["timestep"] else None,
         ids=ids,
         species=species if species or not count else None,

@@ -406,8 +406,8 @@ class Tessellation(SeedCells):
     ) -> None:
         """Writes the result to a file in the format of its extension. The file is written whole or not at all.
 
-        ``.npz``, ``.h5``, ``.hdf5`` hold the arrays of ``want``, the domain and the version, with the names of clvotess.
-        The other formats need "faces" in want:
+        ``.npz``, ``.h5``, ``.hdf5`` hold the arrays of ``want``, the domain and the version, with the names of clvotess,
+        also of some cells. The other formats need the cells of all points and "faces" in want:
 
         - ``.vtu``: polyhedra, in the plane polygons, with id, volume, neighbors, centroid and status, without empty cells. They ascend by their
           number of vertices, as meshio needs; ``id`` is the seed.
@@ -430,8 +430,8 @@ class Tessellation(SeedCells):
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
         ``min_edge``: in .foam, .tess, .msh, .cgns and .stl the ends of edges below this length become one vertex, and faces with two
-        corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, because a cell would not
-        remain a polyhedron.
+        corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, and
+        names the reasons with their numbers.
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
         names them.
 
@@ -442,18 +442,18 @@ class Tessellation(SeedCells):
         >>> t.save("cells.npz")
         >>> t.save("cells.vtu", columns={"mass": np.ones(100)})
         """
-        self._check_whole()
         from .export.save import save
 
         save(self, path, columns, color, colormap, open, min_edge)
 
     def to_dataframe(self) -> Any:
-        """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell.
+        """Returns a pandas.DataFrame with one row for each cell: x, y, z, and a column for each number of it.
+
+        The index is the seed.
 
         >>> t.to_dataframe().shape[0]
         100
         """
-        self._check_whole()
         from .export.packages import to_dataframe
 
         return to_dataframe(self)

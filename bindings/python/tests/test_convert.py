@@ -55,6 +55,10 @@ class Packages(unittest.TestCase):
         self.assertEqual(list(weighted.to_dataframe().columns), ["x", "y", "z", "weight", "status"])
         plane = vt.tessellate(uniform(5)[:, :2], want="volumes,surfaces").to_dataframe()
         self.assertEqual(list(plane.columns), ["x", "y", "area", "perimeter", "status"])
+        given = dict(want="volumes,centroids", weights=np.linspace(0, 0.01, 62))
+        whole = cells(**given).to_dataframe()
+        for only in ([61, 3, 7], []):
+            self.assertTrue(cells(**given, only=only).to_dataframe().equals(whole.loc[only]), only)
 
     @have("networkx")
     def test_networkx(self):

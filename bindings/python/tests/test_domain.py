@@ -3,12 +3,13 @@
 import copy
 import inspect
 import pickle
+import re
 import tempfile
 import types
 import unittest
 
 import numpy as np
-from helpers import CUBE
+from helpers import CELL, CUBE
 from helpers import uniform as points
 
 import pyvotess as vt
@@ -434,6 +435,50 @@ class Values(unittest.TestCase):
             vt.Domain.mesh(CUBE, within="box")
         with self.assertRaisesRegex(ValueError, "give either box or cell|box.*cell|cell.*box"):
             vt.tessellate(points(5), vt.Domain(box=UNIT, cell=np.eye(3)))
+
+
+    def test_every_change_is_refused_where_it_is_made(self):
+        """What no points could mend raises in replace() what tessellate() raises for the same short forms."""
+        kinds = (
+            {}, {"box": UNIT}, {"box": (0, 0, 1, 1)}, {"box": UNIT, "periodic": "x"}, {"box": (0, 0, 0, 1, 1, np.inf)},
+            {"cell": CELL, "periodic": True}, {"cell": CELL, "periodic": False}, {"cell": [(1, 0), (0.3, 1)], "periodic": (True, True)},
+            {"cell": [(1, 0, 0), (0, 1, 0), (0, 0, 0)], "periodic": "xy"},
+            {"box": "hull"}, {"box": "none"}, {"mesh": CUBE}, {"mesh": CUBE, "box": (-1, -1, -1, 2, 2, 2)},
+            {"mesh": CUBE, "mesh_repair": "merge", "mesh_tolerance": 1e-9}, {"walls": [(1, 1, 1, 2.5)]},
+            {"box": UNIT, "walls": [(1, 1, 1, 2.5)]}, {"box": UNIT, "outside": "drop"}, {"periodic": "xy"},
+        )  # fmt: skip
+        fields = {
+            "box": (None, "none", "hull", UNIT, (0, 0, 1, 1), (0, 0, 0, 1, 1, np.inf), (1, 0, 0, 0, 1, 1), (np.nan, 0, 0, 1, 1, 1)),
+            "periodic": (None, True, False, "x", "z", (True, False), (False,) * 3), "outside": (None, "error", "drop", "keep"),
+            "cell": (None, CELL, [(1, 0), (0.3, 1)], [(1, 0, 0), (0, 1, 0), (0, 0, 0)], [(1, 0, 0), (2, 0, 0), (0, 0, 1)]),
+            "origin": (None, (0, 0, 0), (0, 0)), "walls": (None, (), [(1, 1, 1, 2.5)], [(0, 0, 0, 1)], [(1, 1, 2)]),
+            "mesh": (None, CUBE), "mesh_repair": (None, "merge"), "mesh_tolerance": (None, 0.0, 1e-9),
+        }  # fmt: skip
+        later = "periodic= needs a box|in one plane|box spans|outside of the cell|but points have"
+        some, refused = points(9) * 0.3 + 0.2, set()
+
+        def failure(call):
+            try:
+                call()
+            except (ValueError, vt.VotessError) as error:
+                return f"{type(error).__name__}: {error}"
+            return ""
+
+        for kind in kinds:
+            domain = vt.Domain(**kind)
+            for name, values in fields.items():
+                for value in values:
+                    at = some[:, : domain.dimensions or 3]
+                    both = {**kind, name: value}
+                    made = failure(lambda: domain.replace(**{name: value}))
+                    used = failure(lambda: vt.tessellate(at, want=(), device="cpu", **both))
+                    if not re.search(later, used):
+                        self.assertEqual(made, used, f"{kind} {name}={value}")
+                    refused.add(made)
+        self.assertIn("ValueError: periodic: x repeats, but box has no end along it: give both of its bounds", refused)
+        self.assertGreater(len(refused), 25)
+        stated = vt.Domain(periodic="x")  # as some files do
+        self.assertEqual(stated.replace(box=UNIT), vt.Domain.box(UNIT, periodic="x"))
 
 
 class Atoms:

@@ -55,6 +55,7 @@ class Arrays(Folder):
             "face_offsets": t.faces.indptr, "face_vertices": t.faces.indices, "duplicate_of": t.duplicate_of,
             "periodic": np.array(t.periodic, np.uint8), "shifts": t.shifts, "cell": t.cell, "origin": t.origin,
             "walls": t.walls if len(t.walls) else None,
+            "ids": None if t.ids is None else t.ids.astype(np.int64),
         }.items():
             if expected is None:
                 self.assertNotIn(name, arrays)
@@ -69,6 +70,7 @@ class Arrays(Folder):
         yield cells(box=None), "default"
         yield cells(box=None, cell=CELL, outside="drop"), "option"
         yield cells(walls=[(1, 1, 1, 2.5)], outside="drop"), "option"
+        yield cells(periodic=True, only=[61, 3, 7], weights=np.linspace(0, 0.01, 62)), "option"
 
     def test_npz(self):
         for t, domain_from in self.results():
@@ -88,12 +90,18 @@ class Arrays(Folder):
         import h5py
 
         for t, domain_from in self.results():
-            t.save(self.path("a.h5"), columns={"mass": np.arange(62.0)})
+            t.save(self.path("a.h5"), columns={"mass": np.arange(len(t))})
             with h5py.File(self.path("a.h5")) as file:
                 self.check(t, {**{name: values[()] for name, values in file.items()}, **file.attrs})
                 self.assertEqual(file.attrs["domain_from"].decode(), domain_from)
-                np.testing.assert_array_equal(file["mass"], np.arange(62.0))
+                np.testing.assert_array_equal(file["mass"], np.arange(len(t)))
                 self.assertIn("box", file.attrs)
+
+    def test_formats_that_need_all_cells(self):
+        t = cells(only=[4, 2])
+        for extension in ("vtu", "ply", "obj", "glb", "stl", "foam", "tess", "msh", "cgns", "html"):
+            with self.assertRaisesRegex(ValueError, f"{extension} .*leave out only=, or write .npz or .h5"):
+                t.save(self.path(f"a.{extension}"))
 
     def test_columns(self):
         t = cells()

@@ -83,6 +83,14 @@ class Residuals(unittest.TestCase):
                     self.assertTrue((fit.tessellation.weights == fit.weights).all())
                     self.assertTrue(fit.tessellation.verify())
 
+    def test_the_result_is_that_of_tessellate(self):
+        """Every array, its order and its digits."""
+        for points, domain, volume in domains():
+            fit = vt.fit_volumes(points, shares(len(points), "lognormal") * volume, want="faces,volumes,areas,centroids", list_walls=True, **domain)
+            again = vt.tessellate(points, weights=fit.weights, want="faces,volumes,areas,centroids", list_walls=True, **domain)
+            for name, array in again._data.arrays.items():
+                np.testing.assert_array_equal(fit.tessellation._data.arrays[name], array, name)
+
     def test_mesh(self):
         points = 2 * uniform(4 * SEEDS, seed=5) * (1, 1, 0.5)
         points = points[(points[:, :2] < 1).any(axis=1)][:SEEDS]

@@ -79,9 +79,18 @@ Numbers element_of(const Hdf5File& file, const std::string& group, const char* n
     return numbers;
 }
 
+// Throws Failure for an element of the box of H5MD with another number of numbers.
+void require_size(const Hdf5File& file, const std::string& element, const Numbers& numbers, std::size_t size,
+                  std::size_t other) {
+    if (numbers.size() == size || numbers.size() == other) return;
+    throw bad_input(file.path() + ": " + element + " does not hold " + std::to_string(size) +
+                    (other == size ? "" : " or " + std::to_string(other)) +
+                    " numbers or words, as many as its points " + "have axes: write it so, or leave it out");
+}
+
 // Returns the periodic axes of a box of H5MD: its element `pbc` (ZnH5MD), or the words or flags of `boundary`.
 std::optional<std::array<bool, 3>> periodic_of_h5md(const Hdf5File& file, const std::string& box,
-                                                    const std::string& positions,
+                                                    const std::string& positions, std::size_t dimensions,
                                                     const std::optional<FrameOfFile>& frame) {
     Numbers flags = element_of(file, box, "pbc", positions, frame);
     const auto is_number = [](double flag) { return !std::isnan(flag); };
@@ -89,23 +98,27 @@ std::optional<std::array<bool, 3>> periodic_of_h5md(const Hdf5File& file, const 
     if (flags.empty())
         for (const std::string& word : file.texts(box, "boundary"))
             flags.push_back(lower_case(word) == "periodic" ? 1 : 0);
-    if (flags.size() != 2 && flags.size() != 3) return std::nullopt;
+    const bool stated = file.has(box + "/pbc") || file.has_attribute(box, "pbc") || file.has_attribute(box, "boundary");
+    if (!stated) return std::nullopt;
+    require_size(file, box + "/boundary", flags, dimensions, dimensions);
     std::array<bool, 3> periodic{};
     for (std::size_t k = 0; k < flags.size(); ++k) periodic[k] = flags[k] != 0;
     return periodic;
 }
 
 // Reads the box of H5MD: edges of a box that begins at 0, or its three vectors. Along an edge that is 0 it has no end.
-std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string& points,
+std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string& points, std::size_t dimensions,
                                          const std::optional<FrameOfFile>& frame) {
     const std::string group = particles_of(points), box = group + "/box";
     if (group.empty() || !file.is_group(box)) return std::nullopt;
     FileDomain domain;
     const std::string positions = group + "/position";
-    const auto flags = periodic_of_h5md(file, box, positions, frame);
+    const auto flags = periodic_of_h5md(file, box, positions, dimensions, frame);
     const std::array<bool, 3> periodic = flags.value_or(std::array<bool, 3>{});
     if (flags) domain.periodic_from = DomainSource::stated;
     const Numbers edges = element_of(file, box, "edges", positions, frame);
+    if (file.has(box + "/edges") || file.has_attribute(box, "edges"))
+        require_size(file, box + "/edges", edges, dimensions, dimensions * dimensions);
     const bool flat = edges.size() == 2, upright = flat || edges.size() == 3;
     if (upright && std::ranges::count(edges, 0.0) == 0) {
         domain.box = votess::Box{{0, 0, 0}, {edges[0], edges[1], flat ? 0 : edges[2]}};
@@ -174,6 +187,45 @@ FileDomain domain_of_snapshot(const Hdf5File& file) {
     return domain;
 }
 
+// Reads the domain in the attributes that clvotess writes. Notes those that would state one beside a box.
+std::optional<FileDomain> domain_of_attributes(const Hdf5File& file, const std::string& points, std::size_t dimensions,
+                                               std::string& note) {
+    const auto has = [&](const char* name) { return file.has_attribute("/", name); };
+    const auto fits = [&](const char* name, std::size_t rows) {  // of one number for each axis
+        return file.attribute("/", name).size() == rows * dimensions &&
+               (rows == 1 || file.rows_of_attribute("/", name) == rows);
+    };
+    const auto numbers = [&](const char* name, std::size_t rows) {
+        if (has(name) && !fits(name, rows))
+            throw bad_input(file.path() + ": the attribute " + name + " does not hold " +
+                            (rows == 1 ? "" : std::to_string(rows) + " rows of ") + std::to_string(dimensions) +
+                            " numbers: write it so, or leave it out");
+        return file.attribute("/", name);
+    };
+    std::optional<Hdf5Dataset> planes;
+    if (file.has("walls") && !file.is_group("walls")) planes.emplace(file.open("walls"));
+    const bool has_walls = planes && planes->has_columns(dimensions + 1);
+    if (!has("box") || (!has("periodic") && !fits("box", 2))) {
+        std::string names;
+        for (const char* const name : {"box", "periodic", "cell", "origin"})
+            if (has(name)) add_name(names, name);
+        if (has_walls && points != "walls") add_name(names, "walls");
+        note = note_of_unread(names, dimensions);
+        return std::nullopt;
+    }
+    const Numbers box = numbers("box", 2), flags = numbers("periodic", 1), cell = numbers("cell", dimensions),
+                  origin = numbers("origin", 1);
+    Numbers walls;
+    if (planes) {
+        if (!has_walls)
+            throw planes->error("has " + planes->description() + ", expected shape (W, " +
+                                std::to_string(dimensions + 1) + ") of floats: rename it");
+        file.check_unpacked(planes->bytes());
+        planes->append_to(walls);
+    }
+    return stated_domain(file.path(), box, flags, cell, origin, walls);
+}
+
 }  // namespace
 
 std::string particles_of(const std::string& points) {
@@ -183,23 +235,15 @@ std::string particles_of(const std::string& points) {
     return {};
 }
 
-FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points, const std::optional<FrameOfFile>& frame) {
-    const Numbers axes = file.attribute("/", "periodic");
-    if (axes.size() == 2 || axes.size() == 3) {  // a file that clvotess wrote
-        Numbers walls;
-        if (file.has("walls") && file.open("walls").has_columns(axes.size() + 1)) {
-            const Hdf5Dataset planes = file.open("walls");
-            file.check_unpacked(planes.bytes());
-            planes.append_to(walls);
-        }
-        std::array<bool, 3> periodic{};
-        for (std::size_t k = 0; k < axes.size(); ++k) periodic[k] = axes[k] != 0;
-        return stated_domain(file.path(), file.attribute("/", "box"), periodic, file.attribute("/", "cell"),
-                             file.attribute("/", "origin"), walls);
-    }
-    if (const auto domain = domain_of_h5md(file, points, frame)) return *domain;
+FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points, std::size_t dimensions,
+                          const std::optional<FrameOfFile>& frame, std::string& note) {
+    if (const auto domain = domain_of_attributes(file, points, dimensions, note)) return *domain;
+    if (const auto domain = domain_of_h5md(file, points, dimensions, frame)) return *domain;
     if (const auto domain = domain_of_mdtraj(file, frame)) return *domain;
-    return domain_of_snapshot(file);
+    FileDomain domain = domain_of_snapshot(file);
+    if (!domain.box && file.has("Header") && file.has_attribute("Header", "BoxSize"))
+        note += (note.empty() ? "" : "; ") + std::string("not read as the domain, for it is no length: BoxSize");
+    return domain;
 }
 
 std::string timestep_of_hdf5(const Hdf5File& file, const std::string& points, std::uint64_t frame) {

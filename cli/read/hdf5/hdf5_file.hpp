@@ -255,9 +255,12 @@ public:
         return has("Header") ? attribute("Header", name) : std::vector<double>();
     }
 
+    [[nodiscard]] bool has_attribute(const std::string& object, const char* name) const {
+        return H5Aexists_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT) > 0;
+    }
     // Returns the numbers or flags of an attribute; empty without it.
     [[nodiscard]] std::vector<double> attribute(const std::string& object, const char* name) const {
-        if (H5Aexists_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT) <= 0) return {};
+        if (!has_attribute(object, name)) return {};
         const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
                                    H5Aclose);
         const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
@@ -271,9 +274,18 @@ public:
         return values;
     }
 
+    // Returns the number of rows of an attribute; 0 for one without dimensions.
+    [[nodiscard]] hsize_t rows_of_attribute(const std::string& object, const char* name) const {
+        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
+                                   H5Aclose);
+        const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+        std::array<hsize_t, H5S_MAX_RANK> sides{};
+        return space.valid() && H5Sget_simple_extent_dims(space.id(), sides.data(), nullptr) > 0 ? sides[0] : 0;
+    }
+
     // Returns the texts of an attribute; empty without it.
     [[nodiscard]] std::vector<std::string> texts(const std::string& object, const char* name) const {
-        if (H5Aexists_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT) <= 0) return {};
+        if (!has_attribute(object, name)) return {};
         const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
                                    H5Aclose);
         const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose), type(H5Aget_type(attribute.id()), H5Tclose);

@@ -58,8 +58,10 @@ public:
         if (first_.is_group(name_)) name_ = find_points(name_ + "/");
         if (first_.has(name_)) {
             const Hdf5Dataset points = first_.open(name_);
-            for (const std::size_t columns : columns_of(request_.dimensions))
+            for (const std::size_t columns : columns_of(request_.dimensions)) {
                 if (points.has_frames(columns)) frames_ = points.rows();
+                if (points.has_frames(columns) || points.has_columns(columns)) dimensions = columns;
+            }
         }
         units = first_.units();
         if (frames_) {
@@ -67,7 +69,7 @@ public:
             return;
         }
         if (request_.frame) throw without_frames(first_.path());
-        domain = domain_of_hdf5(first_, name_, std::nullopt);
+        domain = domain_of_hdf5(first_, name_, dimensions, std::nullopt, note);
         const std::vector<double> announced = first_.header("NumFilesPerSnapshot");
         if (announced.empty() || !(announced[0] > 1)) return;
         const auto name = split_snapshot_name(first_.path());
@@ -82,7 +84,7 @@ public:
         }
         snapshot_ = name;
         files_ = static_cast<std::uint64_t>(announced[0]);
-        note = to_text(announced[0]) + " files of a snapshot";
+        note = to_text(announced[0]) + " files of a snapshot" + (note.empty() ? "" : "; " + note);
     }
 
     [[nodiscard]] std::optional<std::uint64_t> frames() const noexcept { return frames_; }
@@ -97,9 +99,10 @@ public:
         (void)restart();
         columns_.clear();
         frame_ = frame;
-        domain = domain_of_hdf5(first_, name_, FrameOfFile{frame, *frames_});
+        std::string unread;
+        domain = domain_of_hdf5(first_, name_, dimensions, FrameOfFile{frame, *frames_}, unread);
         timestep = timestep_of_hdf5(first_, name_, frame);
-        note = note_of_frame(frame, frames_, timestep);
+        note = note_of_frame(frame, frames_, timestep) + (unread.empty() ? "" : "; " + unread);
     }
 
     bool restart() override {

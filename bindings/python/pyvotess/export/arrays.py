@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Arrays = Dict[str, npt.NDArray[Any]]
 
-#: Reserved names in both formats, which the caller's columns must not have. Files of clvotess may hold "ids".
+#: Reserved names in both formats, which the caller's columns must not have.
 NAMES = frozenset(TABLE).difference(("weights",)).union(
     "box periodic cell origin walls version domain_from periodic_from".split()
 )
@@ -28,7 +28,8 @@ NAMES = frozenset(TABLE).difference(("weights",)).union(
 
 def _result_arrays(t: SeedCells) -> Arrays:
     held = t._data.arrays
-    return {name: held[name] for name in TABLE if name in held and name not in ("ids", "weights")}
+    ids = {"ids": t.ids.astype(np.int64)} if t.ids is not None and len(t.ids) > 0 else {}
+    return {**ids, **{name: held[name] for name in TABLE if name in held and name not in ("ids", "weights")}}
 
 
 def _domain_arrays(t: SeedCells) -> Arrays:

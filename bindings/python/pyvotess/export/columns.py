@@ -44,7 +44,7 @@ def column_of(t: SeedCells, word: str) -> str:
 
 def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     """Returns all numbers of the cells in the result, as (N,) columns by name. Names are those of .csv."""
-    points = np.asarray(t.points)
+    points = np.asarray(t.points if t.ids is None else t.points[t.ids])
     columns: Dict[str, npt.NDArray[Any]] = dict(zip("xyz", points.T))
     if t.weights is not None:
         columns["weight"] = t.weights

@@ -43,7 +43,8 @@ def to_dataframe(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_dataframe`."""
     pandas = imported("pandas", "to_dataframe()")
     columns = {name: np.array(array) for name, array in cell_columns(t).items()}
-    return pandas.DataFrame(columns, index=pandas.RangeIndex(len(t), name="id"))
+    index = pandas.RangeIndex(len(t), name="id") if t.ids is None else pandas.Index(np.array(t.ids), name="id")
+    return pandas.DataFrame(columns, index=index)
 
 
 def to_networkx(t: SeedCells) -> Any:

@@ -61,6 +61,8 @@ def _checked_kind(
     if kind is None:
         table = ". For tables: t.to_dataframe().to_csv(path)" if extension in (".csv", ".txt") else ""
         raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}{table}")
+    if kind.mesh and t.ids is not None:
+        raise ValueError(f"a {extension} file needs the cells of all points: leave out only=, or write .npz or .h5")
     if named_columns(columns) and not kind.columns:
         raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
     if not (0 <= min_edge < float("inf")):
@@ -117,7 +119,7 @@ def save(
             arrays.write_h5(temporary, t, added, name)
         else:
             data = {**vtu_columns(t), **added} if extension == ".vtu" else {}
-            folder, kept = os.path.dirname(os.path.realpath(name)), 0
+            folder, kept = os.path.dirname(os.path.realpath(name)), [0]
             if t.in_mesh and kind.edges:
                 pieces = t.pieces()  # type: ignore[attr-defined]
                 pieces._check_joined(f"a {extension} file")
@@ -126,5 +128,5 @@ def save(
                 write_pieces_of_cells(temporary, t, data)
             else:
                 kept = write_mesh(temporary, extension, t, data, colors, open is not None, folder, length)
-            if kept:
+            if any(kept):
                 warnings.warn(short_edges_stay(kept, length), stacklevel=3)
