@@ -97,24 +97,18 @@ void write_by(votess_status (*function)(const Arrays*, const char*, votess_write
     if (status != VOTESS_OK) throw_last_error(status, "cannot write " + file.description() + ": ");
 }
 
-using ShortEdges = std::array<std::uint64_t, VOTESS_SHORT_EDGES>;
-
-void print_short_edges(OutputFile& file, const OutputData& data, const ShortEdges& counts) {
-    if (!data.reports_size) return;
-    constexpr std::array<const char*, VOTESS_SHORT_EDGES> reasons{
-        "cells would not remain polyhedra of about their volumes", "vertices would leave their walls",
-        "faces at a periodic boundary would differ"};
-    for (std::size_t k = 0; k < counts.size(); ++k)
-        if (counts[k] > 0)
-            std::fprintf(stderr, "%s keeps %s edges below --min-edge, for %s\n", file.description().c_str(),
-                         std::to_string(counts[k]).c_str(), reasons[k]);
+void print_short_edges(OutputFile& file, const OutputData& data, std::uint64_t count) {
+    if (count > 0 && data.reports_size)
+        std::fprintf(stderr,
+                     "%s keeps %s edges below --min-edge, for cells would not remain polyhedra of about their volumes, "
+                     "or vertices would leave their walls\n",
+                     file.description().c_str(), std::to_string(count).c_str());
 }
 
 void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const char* format) {
-    std::uint64_t left_out = 0;
-    ShortEdges short_edges{};
+    std::uint64_t left_out = 0, short_edges = 0;
     mesh.left_out = &left_out;
-    mesh.short_edges = short_edges.data();
+    mesh.short_edges = &short_edges;
     mesh.min_edge = data.min_edge;
     write_by(votess_write_mesh, mesh, file, format, data.reports_size && std::string_view(format) == ".glb");
     if (left_out > 0 && data.reports_size)
@@ -157,8 +151,8 @@ void write_pieces(OutputFile& file, const OutputData& data, const char* format) 
     arrays.centroids = pieces.centroids.data();
     arrays.sources = pieces.sources.data();
     arrays.min_edge = data.min_edge;
-    ShortEdges short_edges{};
-    arrays.short_edges = short_edges.data();
+    std::uint64_t short_edges = 0;
+    arrays.short_edges = &short_edges;
     votess_mesh_quality quality{};
     quality.struct_size = sizeof quality;
     const std::string_view name = format;

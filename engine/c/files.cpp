@@ -19,10 +19,6 @@ namespace {
 
 namespace files = votess::files;
 
-static_assert(same(VOTESS_SHORT_EDGES_SHAPE, files::Stays::shape));
-static_assert(same(VOTESS_SHORT_EDGES_WALLS, files::Stays::walls));
-static_assert(same(VOTESS_SHORT_EDGES_IMAGES, files::Stays::images));
-static_assert(std::tuple_size_v<files::ShortEdges> == VOTESS_SHORT_EDGES);
 constexpr std::size_t first_mesh_size = offsetof(votess_mesh, box_upper) + sizeof(votess_mesh::box_upper);
 static_assert(sizeof(votess_mesh) >= first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
 constexpr std::size_t first_pieces_size =
@@ -101,7 +97,7 @@ votess_mesh_quality quality_of(const files::SharedMesh& shared) {
     out.min_edge = q.min_edge;
     out.wrong_faces = q.wrong_faces;
     out.wrong_cells = q.wrong_cells;
-    out.short_edges = std::accumulate(shared.short_edges.begin(), shared.short_edges.end(), std::uint64_t{0});
+    out.short_edges = shared.short_edges;
     return out;
 }
 

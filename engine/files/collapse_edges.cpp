@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
-#include <optional>
 #include <ranges>
 #include <span>
 
@@ -62,28 +61,22 @@ public:
         for (std::size_t i = 0; i < volumes_.size(); ++i) volumes_[i] = volume_range(i, origin_of(i))[0];
     }
 
-    // Returns the numbers of edges below the length that remain.
-    ShortEdges collapse(double length) {
+    // Returns the number of edges below the length that remain.
+    std::uint64_t collapse(double length) {
         std::vector<Edge> edges = short_edges(length);
-        ShortEdges stay{};  // of the last round
         for (bool any = true; any;) {
             any = false;
-            stay = {};
             for (std::size_t e = 0; e < edges.size(); ++e) {
                 if (e % edges_per_stop == 0) check_stop();
                 const Edge& edge = edges[e];
                 // One earlier step may have taken it.
-                if (!is_edge(edge)) continue;
-                const auto reason = attempt(edge);
-                if (!reason || !attempt({edge.dropped, edge.kept}) || attempt_cluster(edge, length))
-                    any = true;
-                else
-                    ++stay[static_cast<std::size_t>(*reason)];
+                if (is_edge(edge))
+                    any |= attempt(edge) || attempt({edge.dropped, edge.kept}) || attempt_cluster(edge, length);
             }
             edges = short_edges(length);
         }
         store();
-        return stay;
+        return edges.size();
     }
 
 private:
@@ -156,26 +149,22 @@ private:
         return true;
     }
 
-    // Returns why the edge stays; nothing if it went.
-    std::optional<Stays> attempt(const Edge& edge) {
+    bool attempt(const Edge& edge) {
         std::vector<Edge> images;
         add_images(edge, images);
-        if (!takes_all_images(images)) return Stays::images;
+        if (!takes_all_images(images)) return false;
         std::vector<std::size_t> faces;
         for (const Edge& one : images) {
             const auto& walls = walls_[at(one.dropped)];
-            if (!std::ranges::includes(walls_[at(one.kept)], walls)) return Stays::walls;
+            if (!std::ranges::includes(walls_[at(one.kept)], walls)) return false;
             // Both vertices at the boundary, but the edge inside: the boundary would be pinched.
-            if (is_at_boundary(one.kept) && is_at_boundary(one.dropped) && !is_edge_of_boundary(one))
-                return Stays::walls;
+            if (is_at_boundary(one.kept) && is_at_boundary(one.dropped) && !is_edge_of_boundary(one)) return false;
             for (const Edge& other : images)
-                if (one.kept == other.dropped || (one.dropped == other.dropped && one.kept != other.kept))
-                    return Stays::images;
+                if (one.kept == other.dropped || (one.dropped == other.dropped && one.kept != other.kept)) return false;
             const auto& own = faces_of_[at(one.dropped)];
             faces.insert(faces.end(), own.begin(), own.end());
         }
-        if (merge(images, {}, faces)) return std::nullopt;
-        return Stays::shape;
+        return merge(images, {}, faces);
     }
 
     // A vertex of a cluster, or an image of one.
@@ -534,7 +523,7 @@ private:
 
 }  // namespace
 
-ShortEdges collapse_edges(SharedMesh& mesh, double length) {
+std::uint64_t collapse_edges(SharedMesh& mesh, double length) {
     return Collapser(mesh).collapse(length);
 }
 

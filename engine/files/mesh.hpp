@@ -1,7 +1,6 @@
 // The arrays that a mesh file holds, and the formats.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -22,14 +21,6 @@ struct Column {
     std::size_t width;   // numbers in a row
     std::size_t row_bytes;
 };
-
-// Why a short edge stays.
-enum class Stays : std::uint8_t {
-    shape,   // a cell would not remain a polyhedron of about its volume
-    walls,   // a vertex would leave its walls, or the domain would be pinched between them
-    images,  // faces at a periodic boundary would differ
-};
-using ShortEdges = std::array<std::uint64_t, 3>;  // numbers by reason
 
 struct SharedMesh;
 
@@ -69,7 +60,7 @@ struct Mesh {
     bool skewed = false;                   // whether they are given, not those of a box
     bool left_out = false;                 // whether cells that reach infinity were, and the wall -1 is in their place
     double min_edge = 0;                   // collapse shorter edges, in files with shared faces
-    std::uint64_t* short_edges = nullptr;  // receives the numbers of ShortEdges
+    std::uint64_t* short_edges = nullptr;  // receives the number of those that stay
     // Called with the faces that such a file holds, before it is written; may be empty.
     std::function<void(const SharedMesh&)> measure;
     std::span<const double> seeds;    // 3 a cell, for .tess

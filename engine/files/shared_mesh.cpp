@@ -184,7 +184,7 @@ SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
     moved.resize(vertices.size() / 3);
     drop_unused_vertices();
     if (mesh.min_edge > 0) short_edges = collapse_edges(*this, mesh.min_edge);
-    if (mesh.short_edges != nullptr) std::ranges::copy(short_edges, mesh.short_edges);
+    if (mesh.short_edges != nullptr) *mesh.short_edges = short_edges;
     if (mesh.measure) mesh.measure(*this);
 }
 

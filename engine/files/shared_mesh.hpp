@@ -55,7 +55,7 @@ struct SharedMesh {
     std::vector<double> vertices;      // 3 each: those of the cells
     std::vector<Vector3> normals;      // of the faces before edges were collapsed, of any length; else empty
     std::vector<std::uint8_t> moved;   // of the vertices: 1 for one that others joined
-    ShortEdges short_edges{};          // those below Mesh::min_edge that cannot be collapsed
+    std::uint64_t short_edges = 0;     // those below Mesh::min_edge that cannot be collapsed
     std::vector<std::int32_t> planes;  // of the faces: Mesh::planes, else the wall
     std::vector<SharedFace> faces;     // inner ones ascend by owner, then by neighbor; then patch by patch
     std::vector<std::int64_t> offsets{0};
@@ -102,7 +102,7 @@ inline constexpr double flat_fan = 0.5;  // cosine of 60 degrees: then no part f
 
 // Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra and no volume changes by
 // more than half. Returns the number of the edges that stay.
-ShortEdges collapse_edges(SharedMesh& mesh, double length);
+std::uint64_t collapse_edges(SharedMesh& mesh, double length);
 
 // Measures of the mesh, as votess_mesh_quality.
 struct MeshQuality {

@@ -460,14 +460,6 @@ typedef struct votess_column {
     uint8_t bytes;       // of a number: 4 or 8 for 'f', else 1, 2, 4 or 8
 } votess_column;
 
-// Reasons for which edges below votess_mesh.min_edge stay, as places in votess_mesh.short_edges.
-enum {
-    VOTESS_SHORT_EDGES_SHAPE = 0,   // a cell would not remain a polyhedron of about its volume
-    VOTESS_SHORT_EDGES_WALLS = 1,   // a vertex would leave its walls, or the domain would be pinched between them
-    VOTESS_SHORT_EDGES_IMAGES = 2,  // faces at a periodic boundary would differ
-    VOTESS_SHORT_EDGES = 3,
-};
-
 // How well a mesh suits solvers, as OpenFOAM's checkMesh measures it.
 typedef struct votess_mesh_quality {
     uint32_t struct_size;  // sizeof(votess_mesh_quality)
@@ -511,7 +503,7 @@ typedef struct votess_mesh {
     const double* seeds;    // 3 * N, for .tess
     const double* weights;  // N, of a power diagram, for .tess; NULL for none
     double min_edge;        // in .foam, .tess, .msh, .stl and .cgns collapse edges below this length; 0 for none
-    uint64_t* short_edges;  // receives VOTESS_SHORT_EDGES numbers of those that stay, by reason; may be NULL
+    uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
     // Receives the quality of what .foam, .tess, .msh, .stl and .cgns hold; struct_size must be set; may be NULL.
     votess_mesh_quality* quality;
 } votess_mesh;
@@ -569,7 +561,7 @@ typedef struct votess_piece_arrays {
     const double* centroids;          // 3 * P
     const int32_t* sources;  // triangle_offsets[P], or NULL: for joined meshes, and lines of votess_render_pieces()
     double min_edge;         // in .foam, .msh and .cgns, as votess_mesh has it; 0 for none
-    uint64_t* short_edges;   // as votess_mesh has it
+    uint64_t* short_edges;   // receives the number of these edges that stay; may be NULL
     votess_mesh_quality* quality;  // as votess_mesh has it
 } votess_piece_arrays;
 

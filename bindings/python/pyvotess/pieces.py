@@ -282,7 +282,7 @@ class Pieces:
         with whole_file(file) as temporary:
             folder = os.path.dirname(os.path.realpath(file))
             kept = write_pieces(temporary, extension, self._arrays(numbers), length, folder)
-        if any(kept):
+        if kept:
             warnings.warn(short_edges_stay(kept, length), stacklevel=2)
 
 

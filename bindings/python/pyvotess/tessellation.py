@@ -430,8 +430,8 @@ class Tessellation(SeedCells):
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
         ``min_edge``: in .foam, .tess, .msh, .cgns and .stl the ends of edges below this length become one vertex, and faces with two
-        corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, and
-        names the reasons with their numbers.
+        corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, because a cell would not
+        remain a polyhedron of about its volume, or a vertex would leave its walls.
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
         names them.
 

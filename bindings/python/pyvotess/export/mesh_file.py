@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional
 
 import numpy as np
 
@@ -87,32 +87,24 @@ def write_mesh(
     skip_open: bool,
     folder: str = "",
     min_edge: float = 0.0,
-) -> List[int]:
+) -> int:
     """Writes the cells of ``t``, a result with faces; those of the plane as .vtu alone.
 
     ``columns``: (N,) or (N, k) numbers of the machine's byte order, for .vtu. ``colors``: (N, 3) of sRGB, needed by
-    .glb, possible for .ply. ``folder``: of .foam. Returns the numbers of edges below ``min_edge`` that stay, by reason. ValueError
+    .glb, possible for .ply. ``folder``: of .foam. Returns the number of edges below ``min_edge`` that stay. ValueError
     when a .glb would be larger than 4 GiB.
     """
     arrays = {**_arrays_of(t), "colors": None if colors is None else np.ascontiguousarray(colors)}
     edges = np.zeros(9) if t.cell is None else t.cell
-    kept = (ctypes.c_uint64 * len(_REASONS))()
+    kept = ctypes.c_uint64()
     flags = dict(planar=t.planar, skip_open=int(skip_open), min_edge=min_edge, short_edges=ctypes.addressof(kept))
     _write(path, extension, arrays, columns, t.box, edges, folder, **flags)
-    return list(kept)
+    return kept.value
 
 
-_REASONS = (
-    "cells would not remain polyhedra of about their volumes",
-    "vertices would leave their walls",
-    "faces at a periodic boundary would differ",
-)  # as VOTESS_SHORT_EDGES_* of votess.h
-
-
-def short_edges_stay(counts: Sequence[int], min_edge: float) -> str:
-    """Returns a warning, or "" if no edge stays."""
-    why = ", ".join(f"{count} because {reason}" for count, reason in zip(counts, _REASONS) if count)
-    return why and f"{sum(counts)} edges below min_edge={min_edge} stay: {why}"
+def short_edges_stay(count: int, min_edge: float) -> str:
+    reasons = "cells would not remain polyhedra of about their volumes, or vertices would leave their walls"
+    return f"{count} edges below min_edge={min_edge} stay: {reasons}"
 
 
 def mesh_quality(t: SeedCells, skip_open: bool, min_edge: float) -> MeshQuality:
@@ -133,12 +125,12 @@ def _piece_arrays(arrays: Arrays, **options: float) -> Any:
     return _c_api.PieceArrays(rows=len(kept["ids"]), **kept, **options)
 
 
-def write_pieces(path: str, extension: str, arrays: Arrays, min_edge: float = 0.0, folder: str = "") -> List[int]:
-    """Writes pieces. ``folder``: of .foam. Returns the numbers of edges below ``min_edge`` that stay, by reason."""
-    kept = (ctypes.c_uint64 * len(_REASONS))()
+def write_pieces(path: str, extension: str, arrays: Arrays, min_edge: float = 0.0, folder: str = "") -> int:
+    """Writes pieces. ``folder``: of .foam. Returns the number of edges below ``min_edge`` that stay."""
+    kept = ctypes.c_uint64()
     given = _piece_arrays(arrays, min_edge=min_edge, short_edges=ctypes.addressof(kept))
     write_by(lambda write: lib.votess_write_pieces(given, extension.encode(), write, None), path, folder)
-    return list(kept)
+    return kept.value
 
 
 def quality_of_pieces(arrays: Arrays, min_edge: float) -> MeshQuality:

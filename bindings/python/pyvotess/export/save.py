@@ -119,7 +119,7 @@ def save(
             arrays.write_h5(temporary, t, added, name)
         else:
             data = {**vtu_columns(t), **added} if extension == ".vtu" else {}
-            folder, kept = os.path.dirname(os.path.realpath(name)), [0]
+            folder, kept = os.path.dirname(os.path.realpath(name)), 0
             if t.in_mesh and kind.edges:
                 pieces = t.pieces()  # type: ignore[attr-defined]
                 pieces._check_joined(f"a {extension} file")
@@ -128,5 +128,5 @@ def save(
                 write_pieces_of_cells(temporary, t, data)
             else:
                 kept = write_mesh(temporary, extension, t, data, colors, open is not None, folder, length)
-            if any(kept):
+            if kept:
                 warnings.warn(short_edges_stay(kept, length), stacklevel=3)
