@@ -696,7 +696,15 @@ void CutCell::measure_areas() {
         area_error_[index(cone.face)] += error;
     }
     sum_surface_ = surface;
-    if (!quads_.empty() || !(surface_error <= surface_rounding * surface.value())) measure_areas_in_quad();
+    // A long part may have far less area than rounding at its length spoils.
+    whole_ = surface.value();
+    double worst = 0;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        whole_ += std::abs(out_.faces[f].area);
+        worst = std::max(worst, area_error_[f]);
+    }
+    const bool is_precise = surface_error <= surface_rounding * surface.value() && worst <= surface_rounding * whole_;
+    if (!quads_.empty() || !is_precise) measure_areas_in_quad();
 }
 
 void CutCell::measure_areas_in_quad() {
@@ -829,7 +837,8 @@ void CutCell::measure_faces(bool decide) {
         const auto number = static_cast<std::int32_t>(f);
         face.area = std::abs(face.area);
         if (has_triangles_[f] != 0) {
-            const Shared shared = lay_over(number, false);
+            Shared shared = lay_over(number, false);
+            if (!(area_error_[f] <= surface_rounding * (whole_ + shared.area))) shared = lay_over(number, true);
             face.area = shared.area;
             if (!out_.empty || shared.surface > area_error_[f]) sum_surface_ += shared.surface;
         }

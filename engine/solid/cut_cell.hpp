@@ -249,6 +249,7 @@ private:
     std::size_t words_ = 0;  // of outside_bits_ for each vertex
     std::vector<Crossing> on_edge_;
     Sum sum_surface_;
+    double whole_ = 0;  // about the surface of the part
     std::vector<Cone> cones_;
     std::vector<std::array<exact::Quad, 3>> quads_;  // by place: of those that are used
     double place_error_ = 0;                         // bound, of any position of the part

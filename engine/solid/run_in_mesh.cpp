@@ -255,7 +255,7 @@ private:
             whole.assign(areas.begin(), areas.end());
         }
         std::vector<std::size_t> plain;  // images
-        double volume = 0;
+        double volume = 0;               // scaled, as it may not be a number otherwise
         std::array<double, 3> moment{};
         bool touches = true;
         for (std::size_t i = first; i < last; ++i) {
@@ -282,16 +282,15 @@ private:
             }
             if (m.empty) continue;
             touches = false;
-            const double part = unit.volume(m.volume);
-            volume += part;
-            for (std::size_t k = 0; k < 3; ++k) moment[k] += part * m.centroid[k];
+            volume += m.volume;
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += m.volume * m.centroid[k];
         }
         if (plain_[r] != 0) return;
         const exact::Point x = position(seed_of(r), {});
         for (const std::size_t i : plain) {
             if (winding_[i] == 0) continue;
             touches = false;
-            const double part = winding_[i] * result_.volumes[r];
+            const double part = winding_[i] * (result_.volumes[r] / unit.volume(1));
             volume += part;
             if (wanted_.centroids)
                 for (std::size_t k = 0; k < 3; ++k)
@@ -300,7 +299,7 @@ private:
                 add_area(e, has_areas_ ? std::abs(winding_[i]) * whole[e - begin] : 0);
         }
         empty_[r] = touches ? 1 : 0;
-        result_.volumes[r] = volume;
+        result_.volumes[r] = unit.volume(volume);
         if (wanted_.centroids)
             for (std::size_t k = 0; k < 3; ++k) result_.centroids[3 * r + k] = unit.length(moment[k] / volume + x[k]);
     }

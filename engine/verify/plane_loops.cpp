@@ -156,6 +156,7 @@ VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
     double* const __restrict distance = planes.distance.data();
     const double *const x = planes.nx.data(), *const y = planes.ny.data(), *const z = planes.nz.data(),
                         *const power = planes.power.data();
+    double shortest = infinity;
     for (std::size_t f = first; f < planes.count; ++f) {
         const double square = x[f] * x[f] + y[f] * y[f] + z[f] * z[f];
         const double root = std::sqrt(square), most = 0.5 * (square + std::abs(power[f]));
@@ -164,6 +165,11 @@ VOTESS_INLINE void complete_body(PlaneArrays& planes, std::size_t first) {
         size[f] = is_ordinary(root, most) ? most : infinity;  // which no bound trusts
         inverse[f] = 1 / root;
         distance[f] = size[f] * inverse[f];
+        shortest = root < shortest ? root : shortest;
+    }
+    for (std::size_t f = first; shortest * shortest <= least_square && f < planes.count; ++f) {
+        length[f] = length3(x[f], y[f], z[f]);
+        inverse[f] = 1 / length[f];
     }
     planes.longest = largest_of(planes.length, planes.padded);
     planes.largest = largest_of(planes.size, planes.padded);

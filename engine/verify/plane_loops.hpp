@@ -22,6 +22,9 @@ inline bool is_ordinary(double length, double size) {
     return (length >= least) & (length <= most) & (size <= most * most);
 }
 
+// Squared lengths up to this may have lost digits. Such planes are not ordinary.
+inline constexpr double least_square = 1e-290;
+
 // Half-spaces n.x <= d. After the last one come planes that nothing touches, up to a multiple of `lanes`.
 struct PlaneArrays {
     static constexpr std::size_t lanes = 4;

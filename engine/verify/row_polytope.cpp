@@ -773,7 +773,9 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
     for_sides([&](int from, int, int f) { anchors[f] = from; });
     for (int f = 0; f < planes(); ++f) {
         const double* const twice = &out.vectors[at(4 * f)];
-        areas[f] = twice[0] * p_.nx[at(f)] + twice[1] * p_.ny[at(f)] + twice[2] * p_.nz[at(f)];
+        const double half = 0.5 * p_.inverse[at(f)];  // before products of short ones
+        areas[f] =
+            twice[0] * (half * p_.nx[at(f)]) + twice[1] * (half * p_.ny[at(f)]) + twice[2] * (half * p_.nz[at(f)]);
     }
     if (centroid) {
         double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
@@ -789,9 +791,8 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
     out.volume = out.surface = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
-        const double inverse = p_.inverse[at(f)];
-        areas[f] *= 0.5 * inverse;
-        out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * inverse / 3;  // corners have more digits than d
+        // Corners have more digits than d.
+        out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * p_.inverse[at(f)] / 3;
         out.surface += areas[f];
     }
     out.rounding = rounding_of_sums * planes();

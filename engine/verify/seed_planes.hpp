@@ -8,6 +8,7 @@
 
 #include "core/vector3.hpp"
 #include "input/job.hpp"
+#include "verify/plane_loops.hpp"
 
 namespace votess {
 
@@ -65,7 +66,7 @@ private:
         const double square = dot(r.n, r.n), power = this->power(i, j);
         r.d = 0.5 * (square + power);
         r.size = 0.5 * (square + std::abs(power));
-        r.length = std::sqrt(square);
+        r.length = square > least_square ? std::sqrt(square) : length3(r.n[0], r.n[1], r.n[2]);
         return r;
     }
     [[nodiscard]] RoundedPlane rounded_image(std::size_t i, std::int32_t id, const exact::Shift& shift) const;

@@ -369,6 +369,39 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("mesh: thin cells have areas to their digits, also where triangles lie on faces") {
+        for (const double x : {1.0, 0x1p-20, 0x1p-33})
+            for (const double y : {1.0, 0x1p-40})
+                for (const bool is_glued : {false, true}) {
+                    CAPTURE(x);
+                    CAPTURE(y);
+                    CAPTURE(is_glued);
+                    // Seeds on both sides of the plane where two cuboids meet.
+                    const Solid whole = test::cuboid({0, 0, 0}, {x, y, 1});
+                    const Solid halves = test::joined(test::cuboid({0, 0, 0}, {0.5 * x, y, 1}),
+                                                      test::cuboid({0.5 * x, 0, 0}, {x, y, 1}));
+                    Options options = options_in(is_glued ? halves : whole), in_box = options;
+                    in_box.mesh.reset();
+                    in_box.box = votess::Box{{0, 0, 0}, {x, y, 1}};
+                    Coordinates points = random_seeds(4, 0, 1, 77);
+                    for (std::size_t i = 0; i < 4; ++i) {
+                        for (std::size_t k = 0; k < 2; ++k) points[3 * i + k] *= k == 0 ? 0.5 * x : y;
+                        points.insert(points.end(), {x - points[3 * i], points[3 * i + 1], points[3 * i + 2]});
+                    }
+                    const Tessellation t = votess::tessellate(points, options),
+                                       box = votess::tessellate(points, in_box);
+                    REQUIRE(std::ranges::equal(t.indptr(), box.indptr()));
+                    CHECK(std::ranges::equal(t.indices(), box.indices()));
+                    double worst = 0;
+                    for (std::size_t i = 0; i < t.size(); ++i)
+                        for (auto e = static_cast<std::size_t>(t.indptr()[i]);
+                             e < static_cast<std::size_t>(t.indptr()[i + 1]); ++e)
+                            worst = std::max(
+                                worst, std::abs(t.face_areas()[e] - box.face_areas()[e]) / box.surface_areas()[i]);
+                    CHECK(worst < 1e-10);
+                }
+    }
+
     TEST_CASE("mesh: the same cells for other orders, places, threads and vertices") {
         const Solid ring = test::torus(16, 8);
         const std::size_t n = test::by_size(400, 100);
@@ -470,7 +503,10 @@ TEST_SUITE("cases") {
             const Tessellation t = votess::tessellate(seeds, options_in(scaled));
             if (scale == 1e-3) CHECK(check_sums(t, scaled) == "");
             const Tessellation plain = votess::tessellate(points, options_in(solid));
-            if (scale != 1e-3) CHECK(std::ranges::equal(t.indices(), plain.indices()));
+            if (scale == 1e-3) continue;
+            CHECK(std::ranges::equal(t.indices(), plain.indices()));
+            for (std::size_t k = 0; k < t.centroids().size(); ++k)  // also where volumes are no numbers
+                CHECK((t.centroids()[k] == plain.centroids()[k] * scale || std::isnan(plain.centroids()[k])));
         }
         for (auto coordinates = points; const double offset : {1e6, 1e12}) {
             CAPTURE(offset);

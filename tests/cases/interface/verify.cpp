@@ -984,6 +984,29 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("verify passes cells of seeds nearer to each other than squares of distances reach") {
+        test::Random random(121);
+        for (const int exponent : {-300, -500, -512, -530, -560, -900, -1000}) {
+            CAPTURE(exponent);
+            test::Coordinates points(24);
+            for (double& x : points) x = std::ldexp(random.uniform(), exponent);
+            votess::Options options = test::all_options(test::unit_box());
+            options.want.normals = options.want.areas = true;
+            const auto t = votess::tessellate(std::span<const double>(points), options);
+            CHECK(votess::verify(t, points).failure == "");
+            // A face of the largest area, and its normal.
+            const auto largest = std::ranges::max_element(t.face_areas()) - t.face_areas().begin();
+            for (double* const value :
+                 {const_cast<double*>(&t.face_areas()[static_cast<std::size_t>(largest)]),
+                  const_cast<double*>(&t.face_normals()[static_cast<std::size_t>(3 * largest)])}) {
+                const double right = *value;
+                *value = right * 1.001 + 1e-5;
+                CHECK_FALSE(votess::verify(t, points).passed);
+                *value = right;
+            }
+        }
+    }
+
     TEST_CASE("verify proves a cell of many faces, and finds what is wrong with it") {
         test::Coordinates points{0, 0, 0};
         test::Random random(117);
