@@ -15,14 +15,14 @@ namespace votess::cpu {
 namespace {
 
 // Margin around the box in units of the mean spacing. Most cells of uniform seeds need less, long ones more.
-constexpr double margin_spacings = 2.5, weighted_margin_spacings = 3, wide_margin_spacings = 4;
+constexpr double margin_spacings = 2.5, wide_margin_spacings = 4;
 constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Thin or long boxes would have too many images. Cells search for images beyond the margin.
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 constexpr double max_wide_images_per_seed = 64, max_wide_images = 0x1p22;
 constexpr double least_widening = 1.25;  // less is not worth another sort
-constexpr double longer_cells = 2;       // where weights move them, they also stretch them
+constexpr double longer_cells = 2.5;     // where weights move them, they also stretch them
 constexpr double max_images_beside = 2;  // for cells beside their seeds
 
 // Returns an estimate of the distance of cells from their seeds: half of the slope of the weights, from a sample of
@@ -63,15 +63,32 @@ inline std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
     return basis_->fraction(d);
 }
 
-double SeedImages::reach(const exact::Point& seed) const {
-    double least = std::numeric_limits<double>::infinity();
-    const auto f = fraction(seed);
-    for (int j = 0; j < 3; ++j) {
-        if (!domain_->periodic[j]) continue;
-        const double inside = std::min(f[j], 1 - f[j]) + margin_[j] - 2 * error_[j];
-        least = std::min(least, inside * basis_->width[j]);
+std::array<double, 3> SeedImages::depths(const Box& box) const {
+    exact::Point middle, half;
+    for (std::size_t k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * (box.lower[k] + box.upper[k]);
+        half[k] = box.upper[k] - middle[k];
     }
+    const auto f = fraction(middle);
+    std::array<double, 3> depths;
+    for (std::size_t j = 0; j < 3; ++j) {
+        double extent = 0;
+        for (std::size_t k = 0; k < 3; ++k) extent += std::abs(basis_->dual[j][k]) * half[k];
+        depths[j] = 0.5 + margin_[j] - 2 * error_[j] - std::abs(f[j] - 0.5) - extent * (1 + fraction_slack);
+    }
+    return depths;
+}
+
+double SeedImages::reach(const Box& places) const {
+    double least = std::numeric_limits<double>::infinity();
+    const auto inside = depths(places);
+    for (std::size_t j = 0; j < 3; ++j)
+        if (domain_->periodic[j]) least = std::min(least, inside[j] * basis_->width[j]);
     return std::max(least * (1 - fraction_slack), 0.0);
+}
+
+double SeedImages::reach(const exact::Point& seed) const {
+    return reach(Box{seed, seed});
 }
 
 bool SeedImages::is_present(const exact::Point& image) const {
@@ -79,18 +96,9 @@ bool SeedImages::is_present(const exact::Point& image) const {
 }
 
 bool SeedImages::are_present(const Box& images) const {
-    exact::Point middle, half;
-    for (std::size_t k = 0; k < 3; ++k) {
-        middle[k] = 0.5 * (images.lower[k] + images.upper[k]);
-        half[k] = images.upper[k] - middle[k];
-    }
-    const auto f = fraction(middle);
-    for (std::size_t j = 0; j < 3; ++j) {
-        double reach = 0;
-        for (std::size_t k = 0; k < 3; ++k) reach += std::abs(basis_->dual[j][k]) * half[k];
-        const double farthest = std::abs(f[j] - 0.5) + reach * (1 + fraction_slack);
-        if (domain_->periodic[j] && !(farthest < 0.5 + margin_[j] - 2 * error_[j])) return false;
-    }
+    const auto inside = depths(images);
+    for (std::size_t j = 0; j < 3; ++j)
+        if (domain_->periodic[j] && !(inside[j] > 0)) return false;
     return true;
 }
 
@@ -312,9 +320,7 @@ bool SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool, doubl
     }
     const double spacing = mean_spacing(filled, count);
     const bool sheet = std::ranges::any_of(filled, [&](double side) { return side < spacing; });
-    const double spacings = sheet                    ? wide_margin_spacings
-                            : domain_->has_weights() ? weighted_margin_spacings
-                                                     : margin_spacings;
+    const double spacings = sheet ? wide_margin_spacings : margin_spacings;
     const auto images = [&](double margin) {
         double cells = 1;
         for (std::size_t j = 0; j < 3; ++j)

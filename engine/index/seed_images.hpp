@@ -74,6 +74,8 @@ public:
     [[nodiscard]] const exact::Point& rounding_of_seeds() const { return rounding_of_seeds_; }
     // Returns a distance within which all seeds and images around a seed are present; 0 if unknown.
     [[nodiscard]] double reach(const exact::Point& seed) const;
+    // The same for all places in a box.
+    [[nodiscard]] double reach(const Box& places) const;
     // Whether an image at that place is certainly present.
     [[nodiscard]] bool is_present(const exact::Point& image) const;
     // The same for all images in a box.
@@ -92,6 +94,8 @@ public:
 
 private:
     [[nodiscard]] std::array<double, 3> fraction(const exact::Point& x) const;
+    // Returns how deep a box lies inside of the margin, in fractions.
+    [[nodiscard]] std::array<double, 3> depths(const Box& box) const;
     // Whether wrapping certainly leaves a point in place. Needs edge_error_.
     [[nodiscard]] bool surely_inside(const exact::Point& x) const;
     void wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool);

@@ -72,10 +72,15 @@ struct HeavierTest {
     }
     // Sets `far`, at least `length`.
     void set_far(double far) {
-        constexpr double smallest_area = 1e-140;  // squares below it may have underflowed
         share = far > 0 ? std::max(0.0, 1 - length / far) : 1;
         turn = share > 0 ? 0.5 / share : 0;
-        limit = square + length * far * (1 + 1e-12) + rounding + smallest_area;
+        limit_at(far, limit);
+    }
+    // far: of one box, or of several in vectors.
+    template <class Far>
+    [[gnu::always_inline]] void limit_at(const Far& far, Far& out) const {
+        constexpr double smallest_area = 1e-140;  // squares below it may have underflowed
+        out = length * (1 + 1e-12) * far + (square + rounding + smallest_area);
     }
 
     double length, square, nearest;
@@ -112,7 +117,8 @@ struct CandidatePlanes {
     alignas(64) float h[room];
     alignas(64) std::int32_t id[room];
     int count = 0;
-    int near = 0;  // planes of the walls and of the nearest seeds come first
+    int near = 0;               // planes of the walls and of the nearest seeds come first
+    float longest_squared = 0;  // of the normals that select() has added, in a power diagram
 };
 
 struct Ray {  // o + t d; o[3] and d[3] are free

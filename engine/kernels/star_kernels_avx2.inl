@@ -46,6 +46,25 @@ VOTESS_AVX2 VOTESS_INLINE __m256 square_of(__m256 x, __m256 y, __m256 z) {
     return _mm256_fmadd_ps(x, x, _mm256_fmadd_ps(y, y, _mm256_mul_ps(z, z)));
 }
 
+// With weights: how far from the seed planes count as, in squares times those of their lengths.
+struct PlanesMeasured {
+    __m256 measured, square;
+};
+template <class Limits>
+VOTESS_AVX2 VOTESS_INLINE PlanesMeasured measure_planes(__m256 nx, __m256 ny, __m256 nz, __m256 d, __m256 h,
+                                                        const Limits& limits) {
+    const __m256 less = _mm256_sub_ps(h, _mm256_set1_ps(2 * limits.slack));
+    PlanesMeasured m{_mm256_mul_ps(less, _mm256_andnot_ps(_mm256_set1_ps(-0.0f), less)), d};
+    if constexpr (std::is_same_v<Limits, BentLimits>) {
+        const auto along = [&](__m256 n, int own, __m256 other, int both) VOTESS_AVX2 {
+            return _mm256_mul_ps(n, _mm256_fmadd_ps(_mm256_set1_ps(limits.metric[own]), n,
+                                                    _mm256_mul_ps(_mm256_set1_ps(limits.metric[both]), other)));
+        };
+        m.square = _mm256_add_ps(along(nx, 0, ny, 5), _mm256_add_ps(along(ny, 1, nz, 3), along(nz, 2, nx, 4)));
+    }
+    return m;
+}
+
 // In two passes without branches, which would be mispredicted: the seeds within the limit, then near ones and others.
 // Storing takes most of the time of the first, so the second computes the squares again.
 template <bool Weighted, class Limits>
@@ -55,8 +74,7 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
     struct alignas(64) Found {
         float nx[most + 16], ny[most + 16], nz[most + 16];
         std::int32_t id[most + 16];
-        // With weights: h, and how far planes are beyond the near ones, in squares.
-        float h[Weighted ? most + 16 : 8], beyond[Weighted ? most + 16 : 8];
+        float h[Weighted ? most + 16 : 8];  // twice h, with weights
     } f;
     const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
     const __m256 limit = _mm256_set1_ps(limits.distance_squared), near_limit = _mm256_set1_ps(limits.near_squared);
@@ -68,7 +86,7 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         };
         const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
         const __m256 d = square_of(nx, ny, nz);
-        __m256 h = d, measured = d, square = d, bound = limit;
+        __m256 h = d, measured = d, bound = limit;
         if constexpr (Weighted) {
             __m256 more = _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i));
             if constexpr (std::is_same_v<Limits, BentLimits>) {
@@ -77,45 +95,36 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
                 more = _mm256_fmadd_ps(nz, _mm256_set1_ps(limits.turn[2]), more);
             }
             h = _mm256_add_ps(d, more);
-            const __m256 less = _mm256_sub_ps(h, _mm256_set1_ps(2 * limits.slack));
-            measured = _mm256_mul_ps(less, _mm256_andnot_ps(_mm256_set1_ps(-0.0f), less));
-            if constexpr (std::is_same_v<Limits, BentLimits>) {
-                const auto along = [&](__m256 n, int own, __m256 other, int both) VOTESS_AVX2 {
-                    return _mm256_mul_ps(n, _mm256_fmadd_ps(_mm256_set1_ps(limits.metric[own]), n,
-                                                            _mm256_mul_ps(_mm256_set1_ps(limits.metric[both]), other)));
-                };
-                square = _mm256_add_ps(along(nx, 0, ny, 5), _mm256_add_ps(along(ny, 1, nz, 3), along(nz, 2, nx, 4)));
-            }
-            bound = _mm256_mul_ps(limit, square);
+            const PlanesMeasured m = measure_planes(nx, ny, nz, d, h, limits);
+            measured = m.measured;
+            bound = _mm256_mul_ps(limit, m.square);
         }
         const auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(measured, bound, _CMP_LT_OQ)));
         const __m256i order = compress_order(inside);
         compress(f.nx + found, nx, order);
         compress(f.ny + found, ny, order);
         compress(f.nz + found, nz, order);
-        if constexpr (Weighted) {
-            compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
-            compress(f.beyond + found, _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, square)), order);
-        }
+        if constexpr (Weighted) compress(f.h + found, h, order);
         compress(f.id + found, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
         found += std::popcount(inside);
         if (found > most) return false;
     }
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     int near = c.count, far = 0;
+    [[maybe_unused]] __m256 longest = _mm256_setzero_ps();
     for (int i = 0; i < found; i += 8) {
-        const auto there = static_cast<unsigned>(
-            _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(found - i), iota))));
+        const __m256 there_lanes = _mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(found - i), iota));
+        const auto there = static_cast<unsigned>(_mm256_movemask_ps(there_lanes));
         const __m256 nx = _mm256_load_ps(f.nx + i), ny = _mm256_load_ps(f.ny + i), nz = _mm256_load_ps(f.nz + i);
-        __m256 h, beyond;
+        const __m256 d = square_of(nx, ny, nz);
+        __m256 twice = d, beyond = _mm256_sub_ps(d, near_limit);
         if constexpr (Weighted) {
-            h = _mm256_load_ps(f.h + i);
-            beyond = _mm256_load_ps(f.beyond + i);
-        } else {
-            const __m256 square = square_of(nx, ny, nz);
-            h = _mm256_mul_ps(square, _mm256_set1_ps(0.5f));
-            beyond = _mm256_sub_ps(square, near_limit);
+            twice = _mm256_load_ps(f.h + i);
+            const PlanesMeasured m = measure_planes(nx, ny, nz, d, twice, limits);
+            beyond = _mm256_fnmadd_ps(near_limit, m.square, m.measured);
+            longest = _mm256_max_ps(longest, _mm256_and_ps(d, there_lanes));
         }
+        const __m256 h = _mm256_mul_ps(twice, _mm256_set1_ps(0.5f));
         const unsigned is_near =
             there & static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(beyond, _mm256_setzero_ps(), _CMP_LT_OQ)));
         const unsigned is_far = there & ~is_near;
@@ -132,6 +141,11 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         put(is_far, far_begin + far);
         near += std::popcount(is_near);
         far += std::popcount(is_far);
+    }
+    if constexpr (Weighted) {
+        const __m128 four = _mm_max_ps(_mm256_castps256_ps128(longest), _mm256_extractf128_ps(longest, 1));
+        const __m128 two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+        c.longest_squared = _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)));
     }
     return join(c, near, far);
 }
@@ -230,7 +244,20 @@ struct Avx2 {
     [[gnu::noinline]] VOTESS_AVX2 static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
                                                                const HeavierTest& test) {
         Long4 near[2];
-        near_heavier_boxes<Place, Nearest>(b, w, home, test, near);
+        Double4 most[2];
+        near_heavier_boxes<Place, Nearest>(b, w, home, test, near, most);
+        unsigned found = bits(near[0]) | bits(near[1]) << 4;
+        if constexpr (!Place && !Nearest) {
+            Long4 heavy[2];
+            for (int i = 0; i < 2; ++i) much_heavier(test, most[i], heavy[i]);
+            if ((found & (bits(heavy[0]) | bits(heavy[1]) << 4)) != 0) found &= heavy_bits(b, w, home, test, most);
+        }
+        return found;
+    }
+    [[gnu::noinline]] VOTESS_AVX2 static unsigned heavy_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
+                                                             const HeavierTest& test, const Double4 (&most)[2]) {
+        Long4 near[2];
+        heavy_boxes(b, w, home, test, most, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
     VOTESS_AVX2 static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home,

@@ -108,31 +108,38 @@ VOTESS_INLINE void square_roots(const Double4& v, Double4& out) {
     for (int i = 0; i < 4; ++i) out[i] = std::sqrt(v[i]);
 }
 
-// The test of near_heavier() for four boxes. Clears the lanes of `out` whose boxes do not pass it. Place: home is one.
-// Nearest: test.nearest is not 0. most: set to the largest excess of each box that passes.
+// Of HeavierTest, for four boxes.
+struct FarLanes {
+    Double4 share, turn, limit;
+};
+
+// The test of near_heavier() for four boxes: writes -1 for those that pass it. Place: home is one. Nearest:
+// test.nearest is not 0. most: set to the excess of each box where it passes soonest.
 //
 // Each axis adds a convex function of the place to share D^2 - excess. It is least where the way from home is apart *
 // turn, or at an end of the box. Rounding of that place changes it in second order.
 template <bool Place, bool Nearest>
 VOTESS_INLINE void heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
-                                 int first, Long4& out, Double4& most) {
+                                 const FarLanes& far, int first, Long4& out, Double4& most) {
     using Lanes = Double4;
+    const Lanes none{};
     Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.at_zero + first) - test.constant, largest = excess;
     for (int k = 0; k < 3; ++k) {
         const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + first),
                     upper = *reinterpret_cast<const Lanes*>(b.upper[k] + first);
+        const Lanes begin = home.lower[k] - none, end = home.upper[k] - none;  // no 0 is added to them
         const Lanes apart = *reinterpret_cast<const Lanes*>(w.slope[k] + first) - test.slope[k];
-        Lanes x = Lanes{} + home.lower[k];
-        if constexpr (!Place) x = apart > 0 ? Lanes{} + home.upper[k] : x;
-        x += test.turn * apart;
+        Lanes x = begin;
+        if constexpr (!Place) x = apart > none ? end : begin;
+        x += far.turn * apart;
         x = x > lower ? x : lower;
         x = x < upper ? x : upper;
-        Lanes gap = x - home.lower[k];
+        Lanes nearest = begin;
         if constexpr (!Place) {
-            const Lanes above = x - home.upper[k], below = home.lower[k] - x, none{};
-            gap = above > below ? above : below;
-            gap = gap > none ? gap : none;
+            nearest = x > begin ? x : begin;
+            nearest = nearest < end ? nearest : end;
         }
+        const Lanes gap = x - nearest;
         gaps2 += gap * gap;
         excess += apart * x;
         if constexpr (Nearest) {
@@ -141,42 +148,43 @@ VOTESS_INLINE void heavier_boxes(const BoxBlock& b, const WeightBlock& w, const 
         }
     }
     const Lanes slack = residual_slack * *reinterpret_cast<const Lanes*>(w.size + first);
-    Long4 far = test.share * gaps2 * (1 - 1e-12) - excess - slack > test.limit;
-    if constexpr (Nearest) {
-        const double nearest2 = test.nearest * test.nearest;
-        far |= test.share * nearest2 * (1 - 1e-12) - largest - slack > Lanes{} + test.limit;
-    }
+    Long4 fails = far.share * gaps2 - excess - slack > far.limit;
+    if constexpr (Nearest) fails |= far.share * (test.nearest * test.nearest) - largest - slack > far.limit;
     // Missing boxes are infinitely far away. A sum that is NaN proves nothing.
-    out &=
-        (*reinterpret_cast<const Lanes*>(b.lower[0] + first) <= *reinterpret_cast<const Lanes*>(b.upper[0] + first)) &
-        ~far;
-    most = out != 0 ? excess : Lanes{};
+    out = (*reinterpret_cast<const Lanes*>(b.lower[0] + first) <= *reinterpret_cast<const Lanes*>(b.upper[0] + first)) &
+          ~fails;
+    most = excess;
 }
 
-template <bool Place, bool Nearest>
-VOTESS_INLINE double heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
-                                   Long4 (&out)[2]) {
-    Double4 most[2];
-    for (int i = 0; i < 2; ++i) heavier_boxes<Place, Nearest>(b, w, home, test, 4 * i, out[i], most[i]);
-    const Double4 larger = most[0] > most[1] ? most[0] : most[1];
-    double largest = 0;
-    for (int i = 0; i < 4; ++i) largest = larger[i] > largest ? larger[i] : largest;
-    return largest;
-}
-
-// Writes -1 for boxes that pass the test of near_heavier(), 0 for others.
+// Writes -1 for boxes that pass the test of near_heavier(), 0 for others. most: their excess.
 template <bool Place, bool Nearest>
 VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
-                                      Long4 (&out)[2]) {
-    constexpr double much = 4;  // heavier, where another `far` excludes more
-    out[0] = out[1] = Long4{} - 1;
-    const double square = test.square + test.length * test.length;
-    const double excess = heavier_boxes<Place, Nearest>(b, w, home, test, out);
-    if constexpr (Place || Nearest) return;
-    if (!(excess > much * square && excess < std::numeric_limits<double>::infinity())) return;
-    HeavierTest heavier = test;
-    heavier.set_far(test.length + std::sqrt(square + excess));
-    (void)heavier_boxes<false, false>(b, w, home, heavier, out);
+                                      Long4 (&out)[2], Double4 (&most)[2]) {
+    const Double4 none{};
+    const FarLanes far{test.share * (1 - 1e-12) - none, test.turn - none, test.limit - none};
+    for (int i = 0; i < 2; ++i) heavier_boxes<Place, Nearest>(b, w, home, test, far, 4 * i, out[i], most[i]);
+}
+
+// Writes -1 for boxes so heavy that heavy_boxes() excludes more.
+VOTESS_INLINE void much_heavier(const HeavierTest& test, const Double4& most, Long4& out) {
+    constexpr double much = 4;
+    out = most > much * (test.square + test.length * test.length);
+}
+
+// The test of near_heavier() with `far` as each box has it. most: as near_heavier_boxes() wrote it.
+VOTESS_INLINE void heavy_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test,
+                               const Double4 (&most)[2], Long4 (&out)[2]) {
+    using Lanes = Double4;
+    for (int i = 0; i < 2; ++i) {
+        const Lanes none{}, square = (most[i] > none ? most[i] : none) + (test.square + test.length * test.length);
+        Lanes root;
+        square_roots(square, root);
+        const Lanes place = root + test.length, share = 1 - test.length / place;
+        FarLanes far{share * (1 - 1e-12), 0.5 / share, {}};
+        test.limit_at(place, far.limit);
+        Lanes excess;
+        heavier_boxes<false, false>(b, w, home, test, far, 4 * i, out[i], excess);
+    }
 }
 
 // The test of near_bent() for seeds at places y whose lengths by A have squares of at least `squares`, and whose rho
@@ -299,7 +307,20 @@ struct Baseline {
     [[gnu::noinline]] static unsigned heavier_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
                                                    const HeavierTest& test) {
         Long4 near[2];
-        near_heavier_boxes<Place, Nearest>(b, w, home, test, near);
+        Double4 most[2];
+        near_heavier_boxes<Place, Nearest>(b, w, home, test, near, most);
+        unsigned found = bits(near[0]) | bits(near[1]) << 4;
+        if constexpr (!Place && !Nearest) {
+            Long4 heavy[2];
+            for (int i = 0; i < 2; ++i) much_heavier(test, most[i], heavy[i]);
+            if ((found & (bits(heavy[0]) | bits(heavy[1]) << 4)) != 0) found &= heavy_bits(b, w, home, test, most);
+        }
+        return found;
+    }
+    [[gnu::noinline]] static unsigned heavy_bits(const BoxBlock& b, const WeightBlock& w, const Box& home,
+                                                 const HeavierTest& test, const Double4 (&most)[2]) {
+        Long4 near[2];
+        heavy_boxes(b, w, home, test, most, near);
         return bits(near[0]) | bits(near[1]) << 4;
     }
     static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home, const HeavierTest& test) {
@@ -424,6 +445,7 @@ struct Baseline {
     static bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
                              const Limits& limits, CandidatePlanes& c) {
         int near = c.count, far = 0;
+        float longest = 0;
         for (int i = 0; i < w.count; i += 4) {
             const auto difference = [i](const std::int32_t* at, std::int32_t from) {
                 return __builtin_convertvector(load(at + i) - from, Float4);
@@ -447,6 +469,8 @@ struct Baseline {
             if (inside == 0) continue;
             const unsigned is_near = within(limits.near_squared);
             if (near > CandidatePlanes::capacity - 4 || far > CandidatePlanes::capacity - 4) return false;
+            for (int k = 0; k < 4; ++k)
+                if ((inside >> k & 1) != 0) longest = std::max(longest, d[k]);
             for (; inside != 0; inside &= inside - 1) {
                 const int k = std::countr_zero(inside);
                 const int one = static_cast<int>(is_near >> k & 1);
@@ -460,6 +484,7 @@ struct Baseline {
                 far += 1 - one;
             }
         }
+        c.longest_squared = longest;
         return join(c, near, far);
     }
 

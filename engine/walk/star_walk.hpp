@@ -197,7 +197,6 @@ private:
     template <Star::Keep Kept>
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
     void set_longest(double length);
-    void find_longest();
     void set_image_reach(double reach) {
         reach = std::min(reach, own_images_);
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
@@ -209,6 +208,8 @@ private:
         return dot(from_seed, from_seed);
     }
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2, double length2);
+    [[nodiscard]] bool owners_present(const Four& x, double length2) const;
+    [[nodiscard]] double sure_by_weights(const Box& home) const;
     void find_sure_images();
     // The largest distance of a vertex within the reach of the window from a seed of the home, moved by the home's
     // tilt.

@@ -59,8 +59,7 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     if (weighted_) find_tilt(home, box);
     const WeightTilt* tilt = weighted_ ? &tilt_ : nullptr;
     const double radius = std::sqrt(reach2) * 1.02;
-    is_bent_ = is_bent_ && (bent_.stretch > min_stretch ||
-                            (bent_.bend.steepest >= min_steepest && bent_.max_turned > min_turned * radius));
+    is_bent_ = is_bent_ && (bent_.stretch > min_stretch || bent_.max_turned > min_turned * radius);
     const Window::Bent* bent = is_bent_ ? &bent_ : nullptr;
     window_open_ = window_.open(home, box, radius, tilt, cells_, bent);
     // A home may span far more than its surroundings, where the curve leaves a cluster.
@@ -72,7 +71,8 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     }
     if (!window_open_) return;
     collect_near_walls(box, is_bent_ ? window_.reach() * bent_.longest + bent_.max_turned : window_.reach());
-    sure_images_known_ = !weighted_ || seeds_.images == nullptr;
+    if (weighted_ && seeds_.images != nullptr) sure_images_ = sure_by_weights(box);
+    sure_images_known_ = false;
     sure_box_ = box;
     for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
         if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
@@ -92,7 +92,7 @@ void StarWalk<Isa>::find_tilt(std::size_t home, const Box& box) {
     const std::size_t group = home * Window::home_groups;
     const WeightBlock& bounds = hierarchy_.weight_bounds(0, group / box_fan);
     for (std::size_t k = 0; k < 3; ++k) tilt_.slope[k] = bounds.slope[k][group % box_fan];
-    is_bent_ = find_bend(home);
+    is_bent_ = find_bend(home) && (bent_.stretch > min_stretch || bent_.bend.steepest >= min_steepest);
     home_tilt_length_ = length_of(tilt_);
     const std::size_t begin = home * Window::home_seeds, end = std::min(begin + Window::home_seeds, seeds_.size());
     tilt_.base = lightest_ = seeds_.weights[begin];
@@ -299,7 +299,7 @@ void StarWalk<Isa>::tilt_alone() {
         turned_ = 0.5 * std::sqrt(dot(wide(turn_), wide(turn_))) * (1 + 8 * unit);
     }
     own_tilt_.least = least_residual(own_tilt_, weight_, p_);
-    tilt_length_ = length_of(own_tilt_);
+    tilt_length_ = is_bent_ ? length_of(own_tilt_) : home_tilt_length_;
 }
 
 template <class Isa>
@@ -355,8 +355,7 @@ bool StarWalk<Isa>::gather_candidates() {
     own_place_ = p;
     scale_ = scale;
     unscale_ = 1 / scale;
-    if (seeds_.images != nullptr)
-        set_image_reach(!weighted_ ? seeds_.images->min_reach() : sure_images_known_ ? sure_image_reach() : 0);
+    if (seeds_.images != nullptr) set_image_reach(weighted_ ? sure_image_reach() : seeds_.images->min_reach());
     planes_known_ = 0;
     selected_ = CandidatePlanes::capacity;
     const int most = !weighted_              ? max_candidates
@@ -390,7 +389,8 @@ bool StarWalk<Isa>::gather_candidates() {
         reach2 *= weighted_ ? weighted_shrink : shrink;
     }
     selected_ = candidates_.count;
-    if (weighted_) find_longest();
+    if (weighted_)  // the reach does not bound the candidates
+        set_longest(std::max(longest_, std::sqrt(double{candidates_.longest_squared}) * (1 + 0x1p-20) + quantum));
     return true;
 }
 
@@ -425,16 +425,6 @@ void StarWalk<Isa>::set_longest(double length) {
                   : bounds::float_margin(longest_);
     rounding_by_square_ = m.by_square;
     rounding_ = m.constant;
-}
-
-// In a power diagram the reach does not bound the candidates.
-template <class Isa>
-void StarWalk<Isa>::find_longest() {
-    const CandidatePlanes& c = candidates_;
-    std::int32_t most = 0;  // floats of 0 or more are ordered as their bits, which compilers compare in vectors
-    for (int i = 0; i < c.count; ++i)
-        most = std::max(most, std::bit_cast<std::int32_t>(c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]));
-    set_longest(std::max(longest_, std::sqrt(double{std::bit_cast<float>(most)}) * (1 + 0x1p-20) + quantum));
 }
 
 // Returns the squared security radius within which all vertices are cut off by candidates only, after a search within
@@ -1458,7 +1448,7 @@ double StarWalk<Isa>::power_within(double distance2, double length2) const {
 template <class Isa>
 void StarWalk<Isa>::find_sure_images() {
     image_shifts_known_ = false;
-    sure_images_ = window_.covered() > 0 ? sure_without_images(sure_box_, home_length()) : 0;
+    if (window_.covered() > 0) sure_images_ = std::max(sure_images_, sure_without_images(sure_box_, home_length()));
     sure_images_known_ = true;
     set_image_reach(sure_image_reach());
 }
@@ -1466,14 +1456,49 @@ void StarWalk<Isa>::find_sure_images() {
 // Whether all images near the vertex are present, with rounding small enough to decide.
 template <class Isa>
 bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2, double length2) {
-    if (!weighted_)
-        set_image_reach(seeds_.images->reach(p_));
-    else if (!sure_images_known_)
-        find_sure_images();
+    if (!weighted_) set_image_reach(seeds_.images->reach(p_));
     if (!(x2 > images_beyond2_)) return false;
     if (reach2 < images_within2_) return true;
-    return reach2 * unscale_ * unscale_ < own_images_ * own_images_ * (1 - 4 * margin) &&
-           !any_missing_image(ball_around(x, length2), 0.5 * std::sqrt(reach2) * unscale_);
+    if (!(reach2 * unscale_ * unscale_ < own_images_ * own_images_ * (1 - 4 * margin))) return false;
+    if (weighted_) {
+        if (owners_present(x, length2)) return true;
+        if (!sure_images_known_) find_sure_images();
+        if (reach2 < images_within2_) return true;
+    }
+    return !any_missing_image(ball_around(x, length2), 0.5 * std::sqrt(reach2) * unscale_);
+}
+
+// Whether all images that may own the place of a vertex are present, even if they have the largest weight. The owner is
+// also the nearest of its images, so within the covering radius.
+template <class Isa>
+bool StarWalk<Isa>::owners_present(const Four& x, double length2) const {
+    exact::Point place;
+    double size = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double offset = (x.x[k] - move_.x[k]) * unscale_;
+        place[k] = p_[k] + offset;
+        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+    }
+    const double square = bounds::back(power_within(distance_squared(x), length2), domain_->largest_weight);
+    const double within = std::min(std::sqrt(square), domain_->covering_radius) * (1 + 4 * margin);
+    return within + in_places(2 * margin * std::sqrt(length2), size) < seeds_.images->reach(place);
+}
+
+// Returns a length below which no missing image cuts off a vertex of the seeds in a box, by the test of
+// owners_present(). The place of such a vertex is within that length of a seed moved by the tilt |a|, so its distance D
+// from an owner has D^2 <= (length + |a|)^2 + `heavier`, and the reach is less than there by at most the length.
+template <class Isa>
+double StarWalk<Isa>::sure_by_weights(const Box& home) const {
+    Box moved;
+    for (std::size_t k = 0; k < 3; ++k) {
+        moved.lower[k] = home.lower[k] - 0.5 * tilt_.slope[k];
+        moved.upper[k] = home.upper[k] - 0.5 * tilt_.slope[k];
+    }
+    const double reach = seeds_.images->reach(moved) * (1 - 4 * margin), tilt = home_tilt_length_,
+                 heavier = std::max(0.0, domain_->largest_weight - lightest_);
+    if (reach == 0) return 0;
+    const double by_weights = 0.5 * (reach * reach - tilt * tilt - heavier) / (reach + tilt);
+    return std::max({0.0, by_weights, reach - domain_->covering_radius}) * (1 - 4 * margin);
 }
 
 // Calls visit() for the shifts by which an image may come nearer than `distance` to a box. Returns false if they are
@@ -1556,11 +1581,7 @@ void StarWalk<Isa>::for_groups(const Box& around, const std::array<double, 3>& b
 template <class Isa>
 double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
     image_shifts_.clear();
-    double near = std::numeric_limits<double>::infinity();
-    for (int corner = 0; corner < 8; ++corner)  // reach() is concave
-        near = std::min(near, seeds_.images->reach({corner & 1 ? home.upper[0] : home.lower[0],
-                                                    corner & 2 ? home.upper[1] : home.lower[1],
-                                                    corner & 4 ? home.upper[2] : home.lower[2]}));
+    const double near = seeds_.images->reach(home);
     const double from_seed = length + home_tilt_length_, heavier = std::max(0.0, domain_->largest_weight - lightest_);
     const double distance =
         (from_seed + std::min(std::sqrt(from_seed * from_seed + heavier), domain_->covering_radius)) * (1 + 4 * margin);

@@ -351,7 +351,21 @@ TEST_SUITE("stages") {
             images.sort(job, {}, sorter, pool, seeds);
             for (std::size_t s = 0; s < seeds.size(); ++s) {
                 const auto own = images.base(s);
-                const double reach = images.reach({seeds.x[s], seeds.y[s], seeds.z[s]});
+                const Point seed{seeds.x[s], seeds.y[s], seeds.z[s]};
+                const double reach = images.reach(seed);
+                Box around;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double end = random.uniform(box.lower[k], box.upper[k]);
+                    around.lower[k] = std::min(seed[k], end), around.upper[k] = std::max(seed[k], end);
+                }
+                double least = votess::infinity;
+                for (int corner = 0; corner < 8; ++corner) {
+                    Point place;
+                    for (std::size_t k = 0; k < 3; ++k)
+                        place[k] = (corner >> k & 1) != 0 ? around.upper[k] : around.lower[k];
+                    least = std::min(least, images.reach(place));
+                }
+                REQUIRE(std::abs(images.reach(around) - least) < 1e-7);
                 for (std::int32_t home = 0; home < static_cast<std::int32_t>(seeds.size()); ++home)
                     for (int code = 0; code < 125; ++code) {
                         const Shift shift{code % 5 - 2, code / 5 % 5 - 2, code / 25 - 2};
