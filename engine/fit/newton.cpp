@@ -331,8 +331,8 @@ bool Newton::run(Vector weights) {
     if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh, or outside of a periodic domain
         if (problem_.is_part) return false;
         const double* const p = problem_.points.data() + 3 * smallest_cell;
-        refuse("without weights the point " + in_parentheses({p, at(problem_.dimensions)}) +
-               " has no cell, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain"));
+        refuse("point " + std::to_string(smallest_cell) + ": " + in_parentheses({p, at(problem_.dimensions)}) +
+               " has no cell without weights, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain"));
     }
     sink();
     start_from_fewer();

@@ -233,7 +233,6 @@ void CellWriter::measure(const Cell& cell) {
 bool CellWriter::measure_by_kernel(CellShape& shape) {
     measures_.exponent = 0;
     if (!kernels_->measure(shape, measures_)) return false;
-    if (!want_.areas) return true;
     const auto is_wall = [&](std::size_t f) { return f < wall_faces_; };
     const auto distance2 = [&](std::size_t f) {
         const auto& [x, y, z] = shape.plane[f].n;  // half of the way

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "support/check.hpp"
+#include "support/random.hpp"
 
 namespace {
 
@@ -24,6 +25,23 @@ TEST_SUITE("cases") {
             const auto u = test::run(test::scaled(set, factor));
             for (std::size_t k = 0; k < t.face_areas().size(); ++k)
                 REQUIRE(u.face_areas()[k] == t.face_areas()[k] * factor * factor);
+        }
+    }
+
+    TEST_CASE("areas: digits of volumes and centroids are the same with and without them") {
+        test::Random random(34);
+        for (int set = 0; set < 100; ++set) {
+            CAPTURE(set);
+            test::Coordinates points;  // a cluster, whose cells are vast
+            const double middle = random.uniform(0.2, 0.8);
+            for (int k = 0; k < 15; ++k) points.push_back(middle + std::ldexp(random.uniform(), -20 - set % 20));
+            votess::Options options = test::all_options(test::unit_box());
+            options.want = {.volumes = true, .centroids = true};
+            const auto t = votess::tessellate(std::span<const double>(points), options);
+            options.want.areas = true;
+            const auto with = votess::tessellate(std::span<const double>(points), options);
+            CHECK(std::ranges::equal(t.volumes(), with.volumes()));
+            CHECK(std::ranges::equal(t.centroids(), with.centroids()));
         }
     }
 
