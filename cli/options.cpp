@@ -481,7 +481,7 @@ written and the exit code is 3)",
         {"--follow",
          R"(keep the cells for the next frame, or call of a Tessellator: cells that
 still hold there are not made again. Pays on the CPU, where seeds move by
-at most a hundredth of their distance. Takes some 250 bytes a seed)",
+at most a hundredth of their distance. Takes some 300 bytes a seed)",
          {.member = Flag(&Options::follow), .needs = Needs::all_cells, .with = "--frames"}},
         {"--instructions NAME",
          R"(CPU: baseline, avx2 or avx512; default: the best that the processor has.

@@ -165,7 +165,7 @@ public:
     // and each once. In a common face or edge of cells it passes the lowest seed that has a cell. A length may be
     // rounded to 0. The lengths of a ray sum to its length inside the domain to a relative 1e-13.
     //
-    // The first call computes the neighbors of all cells and stores them for later calls: 200 bytes a seed. Throws as
+    // The first call computes the neighbors of all cells and stores them for later calls: 260 bytes a seed. Throws as
     // locate(); invalid_argument for a bad direction or length, and for an infinite ray without a wall in its way;
     // `unsupported` for directions whose components no common scale holds, for a ray through more than 2^24 cells, and
     // beyond 500 million periods.

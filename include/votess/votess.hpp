@@ -259,7 +259,7 @@ struct Options {
     // GPU: cells in flight at once; 0 = automatic.
     unsigned chunk_size = 0;
     // Keep the cells for the next frame, or call of a Tessellator: cells that still hold there are not made again. Pays
-    // on the CPU, where seeds move by at most a hundredth of their distance. Takes some 250 bytes a seed.
+    // on the CPU, where seeds move by at most a hundredth of their distance. Takes some 300 bytes a seed.
     bool follow = false;
     // CPU: baseline, avx2 or avx512; default: the best that the processor has. One that it lacks is an error.
     std::string instructions;

@@ -192,7 +192,7 @@ class Diagram:
         edge or a vertex passes each cell where it has a length once. In a common face or edge of cells it passes the one
         of lowest index. Lengths sum to the ray's length inside the domain, to a relative 1e-13.
 
-        The first call computes the neighbors of all cells, and keeps about 200 bytes a seed. The GIL is released.
+        The first call computes the neighbors of all cells, and keeps about 260 bytes a seed. The GIL is released.
 
         Parameters
         ----------

@@ -78,7 +78,7 @@ def tessellate(
     k_init : GPU: nearest neighbors tried first for each cell; 0 = automatic (at most 1024).
     chunk_size : GPU: cells in flight at once; 0 = automatic.
     follow : keep the cells for the next frame, or call of a Tessellator: cells that still hold there are not made
-        again. Pays on the CPU, where seeds move by at most a hundredth of their distance. Takes some 250 bytes a seed.
+        again. Pays on the CPU, where seeds move by at most a hundredth of their distance. Takes some 300 bytes a seed.
     instructions : CPU: baseline, avx2 or avx512; default: the best that the processor has. One that it lacks is an
         error.
     duplicates : "merge" or "error"; points of equal coordinates: the lowest index keeps the cell and the others get

@@ -57,7 +57,8 @@ def _checked_kind(
     """Returns the format. Raises before any work if it cannot hold the data."""
     kind = _KINDS.get(extension)
     if kind is None and extension == ".geojson":
-        raise ValueError("a .geojson file holds the pieces of cells in polygons: save t.pieces()")
+        before = "" if t.in_mesh else "tessellate with mesh=, and "
+        raise ValueError(f"a .geojson file holds the pieces of cells in polygons: {before}save t.pieces()")
     if kind is None:
         table = ". For tables: t.to_dataframe().to_csv(path)" if extension in (".csv", ".txt") else ""
         raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}{table}")
