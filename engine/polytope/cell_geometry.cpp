@@ -90,7 +90,12 @@ Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed, int ex
     if (source.is_bisector()) {
         n = per_unit * exact::difference<Real>(seed, source);
         if (!source.has_power()) return {n, static_cast<Real>(1) / 12};
-        return {n, exact::height<Real>(seed, source, -2 * exponent) / dot(n, n) / 6};
+        // Of order one, as squares of a short normal lose digits.
+        const double longest = std::max({std::abs(static_cast<double>(n[0])), std::abs(static_cast<double>(n[1])),
+                                         std::abs(static_cast<double>(n[2]))});
+        const int longer = std::clamp(-std::ilogb(longest), -largest_exponent, largest_exponent);
+        n = static_cast<Real>(std::ldexp(1.0, longer)) * n;
+        return {n, exact::height<Real>(seed, source, longer - 2 * exponent) / dot(n, n) / 6};
     } else if (source.is_oblique()) {
         n = wall_normal<Real>(source);
     } else {

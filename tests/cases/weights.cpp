@@ -132,6 +132,20 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("weights: volumes at planes whose normals have squares without digits") {
+        const double side = 13 / 64.0;
+        for (int exponent = -560; exponent < -490; ++exponent) {
+            CAPTURE(exponent);
+            const double apart = std::ldexp(1.0, exponent);
+            const Coordinates points{3 * apart, 0.5, 0.5, 15 * apart, 0.5, 0.5};
+            const std::vector<double> weights{24 * side * apart, 0};
+            Options options = test::all_options(test::unit_box());
+            options.weights = weights;
+            const auto t = votess::tessellate(points, options);
+            CHECK(std::abs(t.volumes()[0] - side) <= 1e-10 * side);
+        }
+    }
+
     TEST_CASE("weights: one seed buries 20,000 others") {
         const std::size_t count = test::by_size(20'000, 2000);
         test::Random random(3);
