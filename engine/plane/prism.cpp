@@ -174,21 +174,29 @@ void Prism::split_edges() {
 void Prism::add_sides() {
     const auto count = static_cast<std::int32_t>(vertices_.size() / 6);
     triangles_.reserve(sides_of_edge * 3 * edges_.size() / 2);
-    double area = 0, size = 0;
     const double* const origin = &vertices_[3 * at(edges_.front())];
+    double extent = 0;
+    for (const std::int32_t v : edges_)
+        for (std::size_t k = 0; k < 2; ++k) extent = std::max(extent, std::abs(vertices_[3 * at(v) + k] - origin[k]));
+    const int exponent = extent > 0 ? std::ilogb(extent) : 0;  // products of very short or long sides are no numbers
+    const auto from_origin = [&](std::int32_t v) {
+        const double* const x = &vertices_[3 * at(v)];
+        return std::array{std::scalbn(x[0] - origin[0], -exponent), std::scalbn(x[1] - origin[1], -exponent)};
+    };
+    double area = 0, size = 0;
     for (std::size_t e = 0; e < edges_.size(); e += 2) {
         const std::int32_t u = edges_[e], v = edges_[e + 1];
         triangles_.insert(triangles_.end(), {u, v, v + count, u, v + count, u + count});
-        const double *a = &vertices_[3 * at(u)], *b = &vertices_[3 * at(v)];
-        const double part = (a[0] - origin[0]) * (b[1] - origin[1]), other = (a[1] - origin[1]) * (b[0] - origin[0]);
+        const auto a = from_origin(u), b = from_origin(v);
+        const double part = a[0] * b[1], other = a[1] * b[0];
         area += 0.5 * (part - other);
         size += std::abs(part) + std::abs(other);
     }
     constexpr double rounding = 1e-12;
     if (area == 0) refuse_mesh("its rings enclose no area");
     if (area < -rounding * size)
-        refuse_mesh("its rings run clockwise, so that they enclose the area " + number(area) +
-                    ": reverse them; the domain is on the left of each edge");
+        refuse_mesh("its rings run clockwise, so that they enclose the area " +
+                    number(std::scalbn(area, 2 * exponent)) + ": reverse them; the domain is on the left of each edge");
 }
 
 void Prism::add_caps() {

@@ -198,6 +198,27 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("planar: a mesh whose area is no number has cells with lengths and centroids") {
+        std::size_t meshes = 0;
+        for (std::size_t number = 0; number < test::by_size(12, 6); ++number)
+            for (const int power : {-900, -560, 560, 900}) {
+                CAPTURE(number);
+                CAPTURE(power);
+                PlanarSet set = set_of_units(number);
+                if (!set.options.mesh) continue;
+                ++meshes;
+                const double unit = std::ldexp(1.0, power);
+                set.options.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = true};
+                const PlanarSet other = in_unit(set, unit);
+                const auto t = votess::tessellate(std::span<const double>(set.points), set.options);
+                const auto u = votess::tessellate(std::span<const double>(other.points), other.options);
+                CHECK(std::ranges::equal(t.indices(), u.indices()));
+                CHECK(are_times(u.face_areas(), t.face_areas(), unit));
+                CHECK(are_times(u.centroids(), t.centroids(), unit));
+            }
+        CHECK(meshes > 0);
+    }
+
     TEST_CASE("planar: fits, queries and grids in any unit that is a power of two have the same digits") {
         const PlanarSet given = set_of_units(2);
         const std::size_t n = given.points.size() / 2;
