@@ -132,7 +132,9 @@ public:
                 throw lines_.error("the word " + in_quotes(words_[next_ - 1]) + " is unknown, or at a wrong place");
             take_facet();
         }
-        return std::move(corners_);  // the last `endsolid` may be missing, as other readers allow
+        // Other readers allow that; but what is left of a file that was cut may be closed.
+        if (open) throw bad_input(lines_.name() + ": the file ends before \"endsolid\"");
+        return std::move(corners_);
     }
 
 private:
@@ -281,7 +283,7 @@ Surface parse_obj(std::string_view text, const std::string& name) {
 Surface parse_stl(std::string_view bytes, const std::string& name) {
     constexpr std::size_t head = 84;
     if (!has_binary_size(bytes))  // DOS marks the end of a file by Ctrl-Z
-        bytes = bytes.substr(0, bytes.find_last_not_of('\x1a') + 1);
+        bytes = bytes.substr(0, bytes.find_last_not_of("\x1a \t\r\n") + 1);
     const std::string begin = lower_case(bytes.substr(0, head));
     const auto word = begin.find_first_not_of(std::string(blanks) + "\n\xef\xbb\xbf");
     const bool is_text = word != std::string::npos && begin.compare(word, 5, "solid") == 0 &&

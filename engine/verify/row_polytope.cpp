@@ -25,9 +25,10 @@ double RowPolytope::doubt_of(const RoundedPlane& plane, double length) {
 
 void RowPolytope::begin(std::size_t seed, double length) {
     constexpr double usual = 0x1p40;
+    constexpr int largest_unit = 230;  // moments of cells that reach far are numbers too
     seed_ = seed;
     const bool is_usual = length * usual >= 1 && length <= usual;
-    unit_ = is_usual || !(length > 0x1p-500) ? 1 : power_of_two(-exponent_above(length));
+    unit_ = is_usual || !(length > 0x1p-500) ? 1 : power_of_two(std::min(-exponent_above(length), largest_unit));
     names_.clear();
     sources_.clear();
     p_.clear();
@@ -777,23 +778,26 @@ void RowPolytope::measure(Measures& out, bool centroid) const {
         areas[f] =
             twice[0] * (half * p_.nx[at(f)]) + twice[1] * (half * p_.ny[at(f)]) + twice[2] * (half * p_.nz[at(f)]);
     }
-    if (centroid) {
-        double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
-        Vector3 moment{};
-        for_sides([&](int first, int second, int f) {
-            const Vector3 from = place(first), to = place(second), third = place(anchors[f]);
-            const double volume = dot(cross(from, to), third);
-            sum += volume;
-            for (std::size_t k = 0; k < 3; ++k) moment[k] += volume * (from[k] + to[k] + third[k]);
-        });
-        for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = origin[k] + moment[k] / (4 * sum);
-    }
     out.volume = out.surface = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
         // Corners have more digits than d.
         out.volume += areas[f] * dot(place(anchors[f]), normal(f)) * p_.inverse[at(f)] / 3;
         out.surface += areas[f];
+    }
+    if (centroid) {
+        const double longer = out.volume < 0x1p-700 ? 0x1p600 : 1;  // so that no product of three loses its digits
+        double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
+        Vector3 moment{};
+        for_sides([&](int first, int second, int f) {
+            const Vector3 from = place(first), to = place(second), third = place(anchors[f]);
+            Vector3 across = cross(from, to);
+            for (double& x : across) x *= longer;
+            const double volume = dot(across, third);
+            sum += volume;
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += volume * (from[k] + to[k] + third[k]);
+        });
+        for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = origin[k] + moment[k] / (4 * sum);
     }
     out.rounding = rounding_of_sums * planes();
     measure_corners(out);

@@ -94,13 +94,14 @@ std::optional<std::array<bool, 3>> periodic_of_h5md(const Hdf5File& file, const 
                                                     const std::optional<FrameOfFile>& frame) {
     Numbers flags = element_of(file, box, "pbc", positions, frame);
     const auto is_number = [](double flag) { return !std::isnan(flag); };
-    if (flags.empty() || !std::ranges::all_of(flags, is_number)) flags = file.attribute(box, "boundary");
+    const bool is_pbc = !flags.empty() && std::ranges::all_of(flags, is_number);
+    if (!is_pbc) flags = file.attribute(box, "boundary");
     if (flags.empty())
         for (const std::string& word : file.texts(box, "boundary"))
             flags.push_back(lower_case(word) == "periodic" ? 1 : 0);
     const bool stated = file.has(box + "/pbc") || file.has_attribute(box, "pbc") || file.has_attribute(box, "boundary");
     if (!stated) return std::nullopt;
-    require_size(file, box + "/boundary", flags, dimensions, dimensions);
+    require_size(file, box + (is_pbc ? "/pbc" : "/boundary"), flags, dimensions, dimensions);
     std::array<bool, 3> periodic{};
     for (std::size_t k = 0; k < flags.size(); ++k) periodic[k] = flags[k] != 0;
     return periodic;
