@@ -133,8 +133,9 @@ private:
         if (!is_bare && !ends_well && hides_key(value))
             throw lines_.error(std::string("the ") + opening[bracket] + " before " + in_quotes(value) +
                                " has no end before other keys: close it");
-        if (is_bare && (key.empty() || hides_key(value)))
-            throw lines_.error("the value " + in_quotes(value) + (key.empty() ? " has no key" : " holds another key") +
+        const bool has_no_key = key.empty() && !value.empty();
+        if (has_no_key || (is_bare && hides_key(value)))
+            throw lines_.error("the value " + in_quotes(value) + (has_no_key ? " has no key" : " holds another key") +
                                ": leave blanks between pairs of key=value");
         if (std::ranges::find(known_keys, std::string_view(key)) == known_keys.end()) return;
         if (is_array) std::ranges::replace(value, ',', ' ');

@@ -94,7 +94,9 @@ class FrameFiles(ReaderTest):
         for comment, says in ((f'{lattice} a=[1 2 pbc="F F F"', "the [ before '1 2 pbc="), (f'a="x {lattice}', """the " before 'x Lattice='"""),
                               (f"a=[[1, 2], [3, 4] {lattice}", "the [ before"), (f"a={{1 2 {lattice}", "the { before"), (f"a='1 2 {lattice}", "the ' before"),
                               (f'{lattice[:-1]} pbc="F F F"', """the " before '5 0"""), (f'{lattice[:-1]} pbc = "F F F"', """the " before '5 0"""),
-                              (f'{lattice} Lattice="8 0 0 0 8 0 0 0 8"', "lattice has two values"), (f"{lattice} pbc=T pbc=F", "pbc has two values")):
+                              (f'{lattice} Lattice="8 0 0 0 8 0 0 0 8"', "lattice has two values"), (f"{lattice} pbc=T pbc=F", "pbc has two values"),
+                              (f"E=-1.2,{lattice}", "holds another key"), (f"E=1 info={lattice}", "holds another key"),
+                              (f"x= {lattice.replace('=', ' = ')}", "has no key"), (f"title = {lattice.replace('=', ' = ')}", "has no key")):
             self.refuse(file(comment), says=["a.xyz:2: ", says])
 
     def test_cells_that_lack_edges(self):
