@@ -332,7 +332,7 @@ bool Newton::run(Vector weights) {
         if (problem_.is_part) return false;
         const double* const p = problem_.points.data() + 3 * smallest_cell;
         refuse("point " + std::to_string(smallest_cell) + ": " + in_parentheses({p, at(problem_.dimensions)}) +
-               " has no cell without weights, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain"));
+               " has no cell, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain"));
     }
     sink();
     start_from_fewer();
