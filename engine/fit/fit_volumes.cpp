@@ -155,6 +155,8 @@ Vector first_weights(const Job& job, std::span<const std::int32_t> order) {
 Problem problem_of(const Job& job, const std::optional<TriangleMesh>& mesh, std::span<const double> targets,
                    std::span<const double> places, std::span<const std::int32_t> order, int dimensions) {
     Problem problem;
+    problem.given = order;
+    problem.scale = job.scale;
     problem.dimensions = dimensions;
     problem.edges = edges_of(job);
     problem.start = first_weights(job, order);

@@ -330,9 +330,11 @@ bool Newton::run(Vector weights) {
     Eigen::Index smallest_cell = 0;
     if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh, or outside of a periodic domain
         if (problem_.is_part) return false;
-        const double* const p = problem_.points.data() + 3 * smallest_cell;
-        refuse("point " + std::to_string(smallest_cell) + ": " + in_parentheses({p, at(problem_.dimensions)}) +
-               " has no cell, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain"));
+        std::array<double, 3> place;
+        for (std::size_t k = 0; k < 3; ++k) place[k] = problem_.points[3 * at(smallest_cell) + k] / problem_.scale;
+        refuse("point " + std::to_string(problem_.given[at(smallest_cell)]) + ": " +
+               in_parentheses(std::span(place).first(at(problem_.dimensions))) + " has no cell, move it into the " +
+               (problem_.run.region.mesh ? "mesh" : "domain"));
     }
     sink();
     start_from_fewer();

@@ -21,13 +21,15 @@ struct Under {
 
 // With a density all volumes are masses, in units of its mean.
 struct Problem {
-    std::vector<double> points;  // 3N, along a Hilbert curve
-    std::vector<double> places;  // 3N, the points inside a periodic domain
-    Vector targets;              // N volumes
-    Vector start;                // N weights, with which each seed has a cell
-    Edges edges{};               // of the domain
-    Settled run;                 // its region and how it works
-    int dimensions = 3;          // 2: the cells are those of a sheet, see plane/sheet.hpp
+    std::vector<double> points;           // 3N, along a Hilbert curve
+    std::span<const std::int32_t> given;  // N, their places among the points of the caller
+    double scale = 1;                     // of the coordinates, a power of two
+    std::vector<double> places;           // 3N, the points inside a periodic domain
+    Vector targets;                       // N volumes
+    Vector start;                         // N weights, with which each seed has a cell
+    Edges edges{};                        // of the domain
+    Settled run;                          // its region and how it works
+    int dimensions = 3;                   // 2: the cells are those of a sheet, see plane/sheet.hpp
     std::optional<Under> density;
     ThreadPool* pool = nullptr;  // for masses
     bool is_part = false;        // for a start of more seeds, without progress of its own

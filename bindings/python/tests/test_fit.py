@@ -104,7 +104,7 @@ class Residuals(unittest.TestCase):
         in_mesh = vt.fit_volumes(points, targets, mesh=CUBE, tolerance=1e-12)
         self.assertLess(np.abs(in_mesh.weights - in_box.weights).max(), 1e-11)
         points[7] = 3, 3, 3
-        with self.assertRaisesRegex(ValueError, r"point 7: \(3, 3, 3\) has no cell, move it into the mesh"):
+        with self.assertRaisesRegex(ValueError, r"points\[7\]: \(3, 3, 3\) has no cell, move it into the mesh"):
             vt.fit_volumes(points, targets, mesh=CUBE)
         with self.assertRaisesRegex(ValueError, "but the domain has 3: correct them"):
             vt.fit_volumes(points, targets, mesh=ELL)
