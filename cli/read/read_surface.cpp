@@ -132,7 +132,7 @@ public:
                 throw lines_.error("the word " + in_quotes(words_[next_ - 1]) + " is unknown, or at a wrong place");
             take_facet();
         }
-        // Other readers allow that; but what is left of a file that was cut may be closed.
+        // Other readers allow this. But a file that was cut may end between two closed parts, and would pass.
         if (open) throw bad_input(lines_.name() + ": the file ends before \"endsolid\"");
         return std::move(corners_);
     }

@@ -108,7 +108,7 @@ VOTESS_INLINE void square_roots(const Double4& v, Double4& out) {
     for (int i = 0; i < 4; ++i) out[i] = std::sqrt(v[i]);
 }
 
-// Of HeavierTest, for four boxes.
+// Members of HeavierTest that may differ from box to box, for four boxes.
 struct FarLanes {
     Double4 share, turn, limit;
 };

@@ -90,7 +90,7 @@ Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed, int ex
     if (source.is_bisector()) {
         n = per_unit * exact::difference<Real>(seed, source);
         if (!source.has_power()) return {n, static_cast<Real>(1) / 12};
-        // Of order one, as squares of a short normal lose digits.
+        // Scales n to order one, because squares of a short normal lose digits.
         const double longest = std::max({std::abs(static_cast<double>(n[0])), std::abs(static_cast<double>(n[1])),
                                          std::abs(static_cast<double>(n[2]))});
         const int longer = std::clamp(-std::ilogb(longest), -largest_exponent, largest_exponent);

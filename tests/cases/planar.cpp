@@ -198,7 +198,7 @@ TEST_SUITE("cases") {
             }
     }
 
-    TEST_CASE("planar: a mesh whose area is no number has cells with lengths and centroids") {
+    TEST_CASE("planar: cells in a mesh have lengths and centroids where areas leave the range of numbers") {
         std::size_t meshes = 0;
         for (std::size_t number = 0; number < test::by_size(12, 6); ++number)
             for (const int power : {-900, -560, 560, 900}) {

@@ -209,7 +209,7 @@ class Domain:
         object.__setattr__(self, "_sizes", sizes)
 
     def _check(self) -> None:
-        """Refuses what is wrong for any points, except periodic axes without a box, as some files state them."""
+        """Refuses what no points could mend. Periodic axes without a box pass, because files may state them."""
         d = self.dimensions or 3
         options = _c_api.Options()
         raise_on_failure(lib.votess_options_init(options, ctypes.sizeof(options)))

@@ -17,7 +17,7 @@ struct FrameOfFile {
 // Returns the group of the particles in H5MD, of a dataset position or position/value; empty for other files.
 [[nodiscard]] std::string particles_of(const std::string& points);
 
-// Returns the domain of a file, and a note of what is not read. points: the dataset. dimensions: of the points. frame:
+// Returns the domain of a file. note: receives what is not read. points: the dataset. dimensions: of the points. frame:
 // of them, if there are frames.
 [[nodiscard]] FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points, std::size_t dimensions,
                                         const std::optional<FrameOfFile>& frame, std::string& note);
